@@ -115,10 +115,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
 
 @kernel
 def _change(table: int, h: float, drive: Array, attempt: int, n: int, again: bool) -> Any:
-    """Change contradicted active sets and linearisations: whether any; whether it converges.
-
-    The last result tells whether tendons or lines changed, which answer to impacts.
-    """
+    """Change active sets and linearisations: any; whether it converges; any that impacts meet."""
     changed, converging = springs.change_laws(table, h, drive), loads.change_loads(table, h)
     changed |= change_friction(table, n)
     answered = not again and (tendons.change_cables(table, h, attempt)
