@@ -173,8 +173,8 @@ def test_a_tendon_does_not_push_a_disc_off_a_wall():
 
 
 def test_a_fast_turning_rod_gives_a_ball_no_more_energy_than_it_loses():
-    rod = disc("r", angle=-0.5, angular_velocity=200, shapes=[{"type": "box", "size": [0.06, 4e-3]}])
-    a = run(rod, disc(at=[0.005, 0.012]), restitution=1.0).arrays
+    a = run(disc("rod", angle=-0.5, angular_velocity=200, shapes=[
+        {"type": "box", "size": [0.06, 0.004]}]), disc(at=[0.005, 0.012]), restitution=1.0).arrays
     masses = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
     energies = (masses * (a["body_velocity"] + 5e-4 * a["body_acceleration"])**2).sum(axis=(1, 2))
     assert len(a["impact_time"])
