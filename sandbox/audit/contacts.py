@@ -5,7 +5,8 @@ which its gap opens:
 
 - **slides**: f = -mu N where y > 0, f = mu N where y < 0, |f| <= mu N where y = 0.
 - **closes**: N > 0 only where the gap is closed or closes in the step, and no overlap grows.
-- **bounces**: u+ = -e u- at an impact, or less where this leaves the kinetic energy as it is.
+- **bounces**: u+ = -e u- at an impact, or less where this leaves the kinetic energy as it is,
+  unless the gap may close again in the step.
 - **swallowed**: normal impulses J take at most sum J |u-| (1 - e) / 2 and what friction adds.
 
 An impact happens s after the pose of its step. All other forces change u by d in the step, so that
@@ -31,6 +32,7 @@ SLACK = 1e-9  # Tension [N] of a slack tendon
 SOLVED = 2e-9  # Error of rates relative to the fastest
 HELD = 2e-7  # Regularisation of impulses towards the last ones, for both rows (docs/engine.md)
 JOINT = 10.0  # Acceleration [m/s^2] that joints may add in the step of an impact
+STEADY = {"gravity", "spring", "load", "force"}  # Loads that go on through an impact
 STARTS = 0.1  # Relative speed of sliding before the step below which it may begin in the step
 LANDS = 0.2  # Error of the gap of one point, relative to the approach: the normal turns
 ROUND = 0.01  # Least radius of curvature [m] of sliding surfaces
@@ -81,6 +83,12 @@ class _Rows:
         for axis, push in zip(total, sides.wrench.T, strict=True):
             np.subtract.at(axis, (sides.body, sides.sample), push)
         self.others = self.inverse.T[:, :, None] * total
+        # by those that an impact may change within its step
+        self.answers = np.zeros_like(total)
+        for batch in loads.batches:
+            if batch.kind not in STEADY:
+                np.add.at(self.answers.swapaxes(0, 1), batch.body, batch.wrench)
+        self.answers *= self.inverse.T[:, :, None]
         self.hit, instant = self._impacts(a)
         self.instant = np.nan_to_num(instant)
         self.arms = self._arms(a)
@@ -89,9 +97,6 @@ class _Rows:
         self.opening = self.rate(self.before, self.out), self.rate(self.after, self.out)
         self.gap_rates = (self.opening[0] + (0.5 + share) * d, self.opening[1] - (0.5 - share) * d)
         self.struck = self.count(self.hit) > 0  # Rows of a body that bounces in the step
-        # impacts at one point of bodies without other contacts, fast enough to be judged
-        self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
-                      & (self.gap_rates[0] < -2 * REBOUND))
         model = evidence.model
         held = np.concatenate([model.joints.bodies.ravel(), model.tendons.guide_body,
                                model.springs.bodies.ravel()])
@@ -100,6 +105,12 @@ class _Rows:
         turning = np.abs(evidence.velocity[2]) + np.abs(self.change[2])
         self.spins = [turning[b, self.sample] for b in self.sides]
         self.landing = np.maximum(-self.h * self.opening[0], 0.0)  # approach in a step [m]
+        # impacts at one point of bodies without other contacts, fast enough to be judged, after
+        # which the gap does not close again within the step
+        left = (self.h - self.instant) * (self.bend + np.abs(d) / self.h)
+        self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
+                      & (self.gap_rates[0] < -2 * REBOUND)
+                      & (-2 * self.restitution * self.gap_rates[0] > left))
 
     def add(
         self, worst: Worst, error: Array, allowed: Array | float, among: Flags | bool = True,
@@ -168,6 +179,14 @@ class _Rows:
                 + self.h * np.where(self.hit, by_others, turn))
 
     @cached_property
+    def bend(self) -> Array:
+        """Most that curvature and turning change the rate of a gap [m/s^2]."""
+        slide = np.abs(self.sliding).max(axis=0)
+        return np.asarray(slide**2 / ROUND + sum(
+            spin * (slide + spin * np.hypot(*arm.T))
+            for spin, arm in zip(self.spins, self.arms, strict=True)))
+
+    @cached_property
     def rubbing(self) -> Array:
         """Power of friction in impacts, from the rates just before and after them [W]."""
         by_others = (self.instant + self.h / 2) * self.rate(self.others, self.along)
@@ -184,7 +203,8 @@ class _Rows:
         off = STILL[0] + SOLVED * (1 + fast) + ROUNDING / h + HELD * h * answer * most
         beside = [np.abs(self.rate(np.roll(self.change, k, axis=2), self.out)) for k in (-1, 1)]
         impact = fast * (spin * self.instant)**2 + self.joined * 2 * (
-            np.maximum(*beside) + h * JOINT)
+            np.maximum(*beside) + h * JOINT) + (h / 2 + np.abs(self.instant)) * sum(
+            np.abs(self.rate(self.answers, way)) for way in (self.out, self.along))
         return np.asarray(off + np.where(self.hit, impact, 0.0)
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
 
@@ -223,13 +243,9 @@ def _closes(evidence: Evidence, worst: Worst) -> None:
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
     low, high = np.sort([gap + h * last, gap + h * (first + last) / 2], axis=0)
     error = np.maximum(np.maximum(np.minimum(gap, low), np.minimum(gap, 0.0) - high), 0.0)
-    slide = np.abs(rows.sliding).max(axis=0)
-    bend = slide**2 / ROUND + sum(
-        spin * (slide + spin * np.hypot(*arm.T))
-        for spin, arm in zip(rows.spins, rows.arms, strict=True))
     rows.add(worst, np.where(rows.normal < 0, np.inf, error),
              evidence.open + np.where(rows.one, LANDS, 1.0) * rows.landing
-             + h * rows.unsure + h**2 * bend + 2 * evidence.contact_depth,
+             + h * rows.unsure + h**2 * rows.bend + 2 * evidence.contact_depth,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
         for pair, depth in overlaps(evidence.alone(sample)).items():

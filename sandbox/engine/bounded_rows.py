@@ -44,7 +44,9 @@ def normal_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["gentle"], out["high"] = 1, bounded.UNBOUNDED
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
-    out["bias"] = closing_rate(h, t["gap"] + t["gap_shift"], RETURN) + 0.5 * h * t["acceleration"]
+    instant = t["instant"] if t["bounce"] > 0.0 else 0.0
+    out["bias"] = (closing_rate(h, t["gap"] + t["gap_shift"], RETURN)
+                   + (0.5 * h - instant) * t["acceleration"])
     if t["soft"] > 0.0:
         out["bias"], out["soft"], out["gentle"] = t["bias"], t["soft"], 0
 

@@ -47,9 +47,11 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
     place_as_found(table, i)
     normal_row(h, at.touches(table), i, row)
     start, trend = _motion(table, h, row, 0.0)
+    if t["listed"] and not _approaches(table, h, i, row):
+        start = max(start, 0.0)  # its force keeps it closed
     row["bias"], row["trend"] = start, trend
     row["gap"], row["closing"], row["bend"] = max(t["gap"], 0.0), start, trend
-    s = time_to_close(t["gap"], start, trend)
+    s = time_to_close(t["gap"], start, trend + t["acceleration"])
     if t["listed"] or (t["gap"] < 0.0 and not -h <= s < 0.0):
         return 0.0
     for _ in range(ITERATIONS):
@@ -63,6 +65,14 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
         row["bend"] = (row["bias"] + row["trend"] * s - start) / s
         s = time_to_close(t["gap"], start, row["bend"])
     return _within(h, s)
+
+
+@kernel
+def _approaches(table: int, h: float, i: int, row: Any) -> bool:
+    """Whether contact ``i`` closes without the forces of this step, by curvature or before it."""
+    t = at.found(table)[i]
+    bend = -h / 2 * t["acceleration"] if t["listed"] == 1 else min(h * t["acceleration"], 0.0)
+    return bool(bounded.rate(row, at.before(table)) + bend < -REBOUND)
 
 
 @kernel
@@ -286,9 +296,9 @@ def _hit(table: int, h: float) -> bool:
         t = touches[i]
         if t["restitution"] > 0.0:
             normal_row(h, touches, i, row)
-            u = bounded.rate(row, before)
-            if u < -REBOUND and (
-                    t["late"] == 1 or h * min(u, bounded.rate(row, free)) + t["gap"] < 0.0):
+            fastest = (min(bounded.rate(row, before), bounded.rate(row, free))
+                       + min(h / 2 * t["acceleration"], 0.0))
+            if _approaches(table, h, i, row) and (t["late"] == 1 or h * fastest + t["gap"] < 0.0):
                 return True
     return False
 
@@ -314,15 +324,15 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
 
 
 @entry_point("bounces")
-def late_hits(table: int, n: int) -> bool:
+def late_hits(table: int, h: float, n: int) -> bool:
     """Mark contacts that forces of this very step bring to hit; whether there are any."""
-    rows, touches, before, found = at.rows(table), at.touches(table), at.before(table), False
+    rows, touches, found = at.rows(table), at.touches(table), False
     for k in range(n):
         row = rows[k]
         if row["source"] == NORMAL and row["p"] > 0.0:
             t = touches[row["index"]]
             if (t["restitution"] > 0.0 and t["bounce"] == 0.0 and t["late"] == 0
-                    and bounded.rate(row, before) < -REBOUND):
+                    and _approaches(table, h, row["index"], row)):
                 t["late"], found = 1, True
     return found
 

@@ -93,8 +93,9 @@ def solve(table: int, h: float, drive: Array) -> bool:
         if struck:
             impacts.lead_back(table, h, n)
         bounded.wipe(table, 0, n)
-        hit = impacts.late_hits(table, n)
-        changed, converging = _change(table, h, drive, attempt, n, hit)
+        hit = impacts.late_hits(table, h, n)
+        changed, converging, answered = _change(table, h, drive, attempt, n, hit)
+        hit |= struck and answered
         if not (converging or (changed and attempt < LAW_ROUNDS - 1)):
             if attempt + 1 == PRESSED:
                 break
@@ -114,12 +115,12 @@ def solve(table: int, h: float, drive: Array) -> bool:
 
 @kernel
 def _change(table: int, h: float, drive: Array, attempt: int, n: int, again: bool) -> Any:
-    """Change contradicted active sets and linearisations: whether any; whether it converges."""
+    """Change active sets and linearisations: any; whether it converges; any that impacts meet."""
     changed, converging = springs.change_laws(table, h, drive), loads.change_loads(table, h)
     changed |= change_friction(table, n)
-    changed |= (again or tendons.change_cables(table, h, attempt)
-                or fluids.change_lines(table, h, drive, attempt))
-    return changed, converging
+    answered = not again and (tendons.change_cables(table, h, attempt)
+                              or fluids.change_lines(table, h, drive, attempt))
+    return changed | again | answered, converging, answered
 
 
 @entry_point("bounces")

@@ -112,6 +112,10 @@ SWINGS = scene(
     {**ball("bob", 0.0, 0.0), "at": (-0.15, -0.3)}, fixed("frame"), e=0.7, gravity=(0.0, -G),
     duration=0.6,
     joints=[{"type": "pin", "name": "pin", "a": "frame", "b": "bob", "on_a": (0, 0.1)}])
+DRIVEN = scene(
+    ball("rotor", 0.0, 0.0), {**ball("one", -0.2, 2.0), "at": (-0.2, 0.05)}, fixed("frame"),
+    e=1, mu=1, joints=[{"type": "pin", "name": "p", "a": "frame", "b": "rotor", "on_b": (0, 0)}],
+    drives=[{"type": "motor", "name": "m", "joint": "p", "value": "=30 * t", "torque": 5}])
 FALLS = scene(FLOOR, box(0.0, 0.1), gravity=(0.0, -G))
 
 
@@ -133,7 +137,7 @@ def verdicts(run, content):
 
 @pytest.mark.parametrize("every", [1, 2])
 @pytest.mark.parametrize("key", [
-    "SLIDES", "DRAGGED", "TUMBLES", "MEET", "CRADLE", "SWINGS", "FALLS"])
+    "SLIDES", "DRAGGED", "TUMBLES", "MEET", "CRADLE", "SWINGS", "DRIVEN", "FALLS"])
 def test_a_run_of_its_own_scene_passes(key, every):
     run = simulate(mechanism(**{**globals()[key], "run": {"sample_rate": 2000 / every}}))
     assert "look" not in {figure.verdict for figure in figures(run).values()}

@@ -16,12 +16,12 @@ def disc(name="disc", **more):
     return {"name": name, "mass": MASS, "shapes": [{"type": "circle", "radius": RADIUS}], **more}
 
 
-def run(*bodies, friction=0.0, restitution=0.0, step=1e-3, duration=0.02, joints=()):
+def run(*bodies, friction=0.0, restitution=0.0, step=1e-3, duration=0.02, **more):
     return sandbox.simulate(sandbox.load_scene({
         "format": 1, "gravity": [0, 0],
         "run": {"duration": duration, "step": step, "sample_rate": 1 / step},
         "materials": {"m": {"friction": friction, "restitution": restitution}},
-        "joints": joints, "bodies": [{"material": "m", **body} for body in bodies]}))
+        "bodies": [{"material": "m", **body} for body in bodies], **more}))
 
 
 @pytest.mark.parametrize("restitution", [0, 0.5])
@@ -162,3 +162,29 @@ def test_the_audit_takes_the_arms_of_a_rough_meeting_at_its_instant(restitution,
     assert found.arrays["contact_twist"].any()
     assert found.arrays["contact_sample"][0] == 18
     assert not [figure for figure in found.audit if figure.verdict == "look"]
+
+
+def test_a_tendon_does_not_push_a_disc_off_a_wall():
+    wall = {**PLATE, "at": [math.sqrt(0.005) + 0.0005 + RADIUS, 0], "angle": math.pi / 2}
+    tendon = {"name": "t", "stiffness": 1e6, "guides": [
+        {"body": "plate", "at": [0, wall["at"][0]]}, {"body": "disc"}]}
+    found = run(wall, disc(at=[0, -0.1], velocity=[5, 0]), restitution=0.7, tendons=[tendon])
+    assert found["disc.vx"][-1] == pytest.approx(-0.7 * 5 * math.sqrt(0.5), rel=0.1)  # at 45°
+
+
+def test_a_fast_turning_rod_gives_a_ball_no_more_energy_than_it_loses():
+    a = run(disc("rod", angle=-0.5, angular_velocity=200, shapes=[
+        {"type": "box", "size": [0.06, 0.004]}]), disc(at=[0.005, 0.012]), restitution=1.0).arrays
+    masses = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
+    energies = (masses * (a["body_velocity"] + 5e-4 * a["body_acceleration"])**2).sum(axis=(1, 2))
+    assert len(a["impact_time"])
+    assert energies == pytest.approx(masses[0, 2] * 200**2, rel=1e-9)
+
+
+def test_a_disc_that_runs_round_a_bend_does_not_rebound():
+    points = [[0.1 * math.cos(x), 0.1 * math.sin(x)] for x in np.arange(-3, 2, 0.1)]
+    bend = {"name": "bend", "motion": "fixed", "shapes": [
+        {"type": "curve", "closed": False, "points": points, "radius": 0.001}]}
+    a = run(bend, disc(at=[0, -0.089], velocity=[5, 0]), restitution=0.5).arrays
+    assert len(a["impact_time"]) == 1  # where it begins to carry m v^2 / R
+    assert np.hypot(*a["contact_force"][3:].T) == pytest.approx(MASS * 5**2 / 0.089, rel=3e-3)
