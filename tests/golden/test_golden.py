@@ -47,8 +47,7 @@ def test_scene(name: str, tmp_path: Path) -> None:
         assert [kind for kind, each in new["kinds"].items()
                 if any(each.moments[-2:]) and kind not in MAY_LACK] == [], "not finite"
     assert name in KEPT, f"a new scene: python -m tests.golden accept '{name}'"
-    moved = differences(KEPT[name], new, names_by_kind(run),
-                        tolerance=tolerance_of(KEPT, name))
+    moved = differences(KEPT[name], new, names_by_kind(run), tolerance=tolerance_of(KEPT, name))
     assert not moved, "\n".join([*moved, "intended? python -m tests.golden accept"])
 
 

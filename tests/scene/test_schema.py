@@ -16,11 +16,7 @@ from sandbox.scene.reference import scene_schema
 from tests.scene.hand import hand
 
 COMPOSING = ("four_motor", "nine_discs")  # the others are left to the nightly tests
-
-
-@cache
-def schema() -> dict[str, Any]:
-    return scene_schema()
+schema = cache(scene_schema)
 
 
 def _complaints(data: Any) -> list[str]:
