@@ -10,8 +10,10 @@ import ast
 import inspect
 import json
 import re
-import textwrap
+import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from itertools import pairwise
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
@@ -296,19 +298,25 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
 
 def docstrings(model: type) -> dict[str, str]:
     """The string below each field of a class, by field; none where its source is unavailable."""
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
-    except OSError:
-        return {}
-    assert isinstance(tree, ast.ClassDef)
     found = {}
-    for field, after in zip(tree.body, tree.body[1:], strict=False):
+    body = _classes(model.__module__).get(model.__qualname__.rpartition(".")[2], [])
+    for field, after in pairwise(body):
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and (
             isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
             and isinstance(after.value.value, str)
         ):
             found[field.target.id] = inspect.cleandoc(after.value.value)
     return found
+
+
+@cache
+def _classes(module: str) -> dict[str, list[ast.stmt]]:
+    """The statements of each class of a module, by its name; none without its source."""
+    try:
+        tree = ast.parse(inspect.getsource(sys.modules[module]))
+    except (OSError, TypeError):
+        return {}
+    return {node.name: node.body for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
 
 
 COMPOSED: Schema = {

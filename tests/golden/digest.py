@@ -29,10 +29,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from llvmlite import binding
 
-from sandbox.audit.audit import audit
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.scene.mechanism import Mechanism
 
@@ -90,33 +88,37 @@ def digest(run: Recording) -> Digest:
     kinds: dict[str, list[Array]] = {}
     for kind, _, values in _quantities(run):
         kinds.setdefault(kind, []).append(values)
-    judged = verdicts(run)
-    found = audit(run)
     return {
         "status": run.info.status.name, "samples": len(run),
         "names": hashlib.blake2b("\n".join(run.names()).encode(), digest_size=3).hexdigest(),
         "kinds": {kind: _kind(kind, kinds[kind]) for kind in sorted(kinds)},
-        "expect": [_short(verdict.value) for verdict in judged],
-        "failed": [verdict.quantity for verdict in judged if not verdict.ok],
+        "expect": [_short(verdict.value) for verdict in run.verdicts],
+        "failed": [verdict.quantity for verdict in run.verdicts if not verdict.ok],
         "events": [[each.event, _short(each.time)]
                    for each in (*run.info.events, *run.info.broke)],
-        "audit": {figure.name: _short(figure.value, 3) for figure in found
+        "audit": {figure.name: _short(figure.value, 3) for figure in run.audit
                   if figure.verdict != "not computed"},
-        "looks": [figure.name for figure in found if figure.verdict == "look"]}
+        "looks": [figure.name for figure in run.audit if figure.verdict == "look"]}
 
 
 def _quantities(run: Recording) -> Iterator[tuple[str, str, Array]]:
     """Kind, name and values of all quantities and of the contacts of every pair."""
     for name in run.names():
         yield kind_of(name), name, run[name]
-    a, bodies = run.arrays, [body.name for body in run.mechanism.bodies]
-    pair = a["contact_body"] * len(bodies) + a["contact_other"]
-    for each in np.unique(pair).tolist():
-        rows, name = pair == each, f"{bodies[each // len(bodies)]}/{bodies[each % len(bodies)]}"
+    a = run.arrays
+    for name, rows in _pairs(run):
         yield "contact.force", name, np.column_stack([
             np.hypot(*a["contact_force"][rows].T), run.time[a["contact_sample"][rows]],
             a["contact_force"][rows], a["contact_point"][rows], a["contact_normal"][rows]])
         yield "contact.gap", name, a["contact_gap"][rows]
+
+
+def _pairs(run: Recording) -> Iterator[tuple[str, Array]]:
+    """Name of every pair in contact, and which contacts are its own."""
+    bodies = [body.name for body in run.mechanism.bodies]
+    pair = run.arrays["contact_body"] * len(bodies) + run.arrays["contact_other"]
+    for each in np.unique(pair).tolist():
+        yield f"{bodies[each // len(bodies)]}/{bodies[each % len(bodies)]}", pair == each
 
 
 def kind_of(name: str) -> str:
@@ -228,9 +230,10 @@ def _change(a: Any, b: Any) -> str:
 def names_by_kind(run: Recording) -> dict[str, list[str]]:
     """The quantities of every kind of a run, in the order of its digest."""
     found: dict[str, list[str]] = {}
-    for kind, name, _ in _quantities(run):
-        found.setdefault(kind, []).append(name)
-    return found
+    for name in run.names():
+        found.setdefault(kind_of(name), []).append(name)
+    pairs = [name for name, _ in _pairs(run)]
+    return found | ({"contact.force": pairs, "contact.gap": pairs} if pairs else {})
 
 
 # --- how a scene amplifies rounding

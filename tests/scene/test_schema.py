@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +16,16 @@ from sandbox.scene.reference import scene_schema
 from tests.scene.hand import hand
 
 COMPOSING = ("four_motor", "nine_discs")  # the others are left to the nightly tests
-VALIDATOR = jsonschema.Draft202012Validator(scene_schema())
+schema = cache(scene_schema)
 
 
 def _complaints(data: Any) -> list[str]:
-    return [f"{error.json_path}: {error.message}" for error in VALIDATOR.iter_errors(data)]
+    return [f"{error.json_path}: {error.message}"
+            for error in jsonschema.Draft202012Validator(schema()).iter_errors(data)]
 
 
 def test_it_is_a_schema() -> None:
-    jsonschema.Draft202012Validator.check_schema(scene_schema())
+    jsonschema.Draft202012Validator.check_schema(schema())
 
 
 def test_the_good_scene_agrees_with_it() -> None:
@@ -42,7 +44,7 @@ def test_the_shipped_copy_is_current() -> None:
     copy: Path = folder / "scene.schema.json"
     if not copy.exists():
         pytest.skip("no copy is shipped")
-    assert json.loads(copy.read_text(encoding="utf-8")) == scene_schema(), (
+    assert json.loads(copy.read_text(encoding="utf-8")) == schema(), (
         "scenes/scene.schema.json is outdated: python docs/make_reference.py writes it")
 
 
