@@ -119,7 +119,7 @@ def _balance(evidence: Evidence) -> _Balance:
     # the work of a pull is that of its tendon, the work of a pump goes into its line
     own = np.delete(a["drive_work"], drives.giving("tension", "flow", "pressure"), axis=1)
     left = kinetic - by_weight - own.sum(axis=1) - (
-        evidence.loads.weights * initial_velocity(evidence)**2).sum() / 2
+        evidence.loads.weights * model.bodies.velocity**2).sum() / 2
     for kind in ("tendon", "spring", "line", "load", "joint_damping", "joint_friction"):
         left = left - np.nan_to_num(a[f"{kind}_work"]).sum(axis=1)
     least = EXACT + _of_gaps(evidence) / scale
@@ -301,7 +301,7 @@ def starts(evidence: Evidence) -> tuple[list[str], float, float]:
                      f"which loses {lost:.3g} J")
         after = min(sample + int(inside), len(evidence.run) - 1)
         change = evidence.velocity[..., after] - (
-            evidence.velocity[..., sample - 1] if sample else initial_velocity(evidence).T)
+            evidence.velocity[..., sample - 1] if sample else evidence.model.bodies.velocity.T)
         bend = acceleration[..., after] - (acceleration[..., sample - 1] if sample else 0.0)
         unsure += 0.0 if evidence.every_step else float(
             evidence.h / 2 * np.abs(weights * change * bend).sum())
@@ -334,10 +334,3 @@ def paced(model: Model) -> Flags:
     limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
                        dtype=bool)
     return np.asarray(limited & np.isnan(model.drives.slope))
-
-
-def initial_velocity(evidence: Evidence) -> Array:
-    """Velocities of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
-    bodies = evidence.model.mechanism.bodies
-    rows = [(*body.velocity, body.angular_velocity) for body in bodies]
-    return np.array(rows, dtype=float).reshape(-1, 3)

@@ -103,13 +103,10 @@ class Worst:
         """Add the nearest of several laws (error, tolerance), one ``throughout`` or per sample."""
         error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
         ratio = np.nan_to_num(error / tolerance, nan=np.inf)
-        if throughout:
-            counted = ratio if among is None else ratio[:, among]
-            k = int(counted.max(axis=1, initial=0.0).argmin())
-            self.add(where, error[k], tolerance[k], among)
-        else:
-            k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
-            self.add(where, error[k, n], tolerance[k, n], among)
+        counted = ratio if among is None else ratio[:, among]
+        k = counted.max(axis=1, initial=0.0).argmin() if throughout else ratio.argmin(axis=0)
+        n = np.arange(error.shape[1])
+        self.add(where, error[k, n], tolerance[k, n], among)
 
     def add_law(
         self, where: str, force: Array, rate: Array, limit: Array,

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
-from sandbox.equilibria.settle import PARTS, PoseBalance, Settler, Start, Unsettled, place_start
+from sandbox.equilibria.settle import (
+    PoseBalance,
+    Settler,
+    Start,
+    Unsettled,
+    angles,
+    place_start,
+    positions,
+)
 from sandbox.errors import Problem, SceneError, SimulationDiverged
-from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
@@ -245,8 +252,8 @@ def quantities(run: Recording) -> dict[str, str]:
     """Names and units of the quantities that describe an equilibrium."""
     model, contacts = run.model, run.contacts
     hinged = set(model.joints.bodies[model.joints.hinges, 1].tolist())
-    names = [*_angles(model), *(f"{name}.length" for name in model.joints.name),
-             *_positions(model, hinged)]
+    names = [*angles(model), *(f"{name}.length" for name in model.joints.name),
+             *positions(model, hinged)]
     for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),
                       (model.lines, ["pressure"])):
         names += [f"{name}.{part}" for name in of.name for part in parts]
@@ -258,13 +265,4 @@ def quantities(run: Recording) -> dict[str, str]:
 
 def places(run: Recording) -> list[str]:
     """Names of all angles of hinges and positions of bodies."""
-    return [name for name in [*_angles(run.model), *_positions(run.model)] if name in run]
-
-
-def _angles(model: Model) -> list[str]:
-    return [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
-
-
-def _positions(model: Model, without: Collection[int] = ()) -> list[str]:
-    return [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
-            if i not in without for part in PARTS]
+    return [name for name in [*angles(run.model), *positions(run.model)] if name in run]

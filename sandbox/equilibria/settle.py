@@ -15,8 +15,9 @@ them forces have already dropped by e a, e = h (c + h k) or h c / 2, which is ad
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigvalsh, null_space
@@ -69,17 +70,14 @@ class PoseBalance:
         model, h = self.still.model, self.still.step_size
         a = self.speed / h
         force = self.mass * a
+        follows_law = [law is not None for law in model.springs.law]
+        ways: dict[str, tuple[Any, Integers]] = {  # how the engine solves each element
+            "spring": (model.springs, np.where(follows_law, STIFF, spring_kinds(model, h))),
+            "tendon": (model.tendons, np.where(stiff_cables(model, h), STIFF, ELASTIC)),
+            "drive": (model.drives, np.where(stiff_servos(model, h), STIFF, EVEN))}
         for each in self.linear.elastic():
-            if each.kind == "spring":
-                c = float(model.springs.damping[each.number])
-                law = model.springs.law[each.number] is not None
-                kind = STIFF if law else spring_kinds(model, h)[each.number]
-            elif each.kind == "tendon":
-                c = float(model.tendons.damping[each.number])
-                kind = STIFF if stiff_cables(model, h)[each.number] else ELASTIC
-            else:
-                c = float(model.drives.damping[each.number])
-                kind = STIFF if stiff_servos(model, h)[each.number] else EVEN
+            elements, kinds = ways[each.kind]
+            c, kind = float(elements.damping[each.number]), int(kinds[each.number])
             k = {STIFF: 4.0, EVEN: 1.0, ELASTIC: 0.0}[kind] * each.stiffness / 4
             drop = h * (c * (1.0 if kind == STIFF else 0.5) + h * k)  # e [kg]
             force = force + drop * float(each.pull @ a) * each.pull
@@ -117,7 +115,6 @@ class PoseBalance:
 def solve(matrix: Array, right: Array) -> Array:
     """The smallest solution, without directions that the matrix hardly affects, [n]."""
     return np.asarray(np.linalg.lstsq(matrix, right, rcond=RANK)[0])
-
 
 
 STAGES, FRICTION_STAGES = 40, 200  # stages of a slow load, without and with dry friction
@@ -170,7 +167,7 @@ class Settler:
         self.still.put(self.first)
         model = self.model
         shaped = [i for i, body in enumerate(model.mechanism.bodies) if body.shapes]
-        rough = len(model.joints.frictional) or _grips(model) or any(
+        rough = len(model.joints.frictional) or len(model.tendons.grips) or any(
             friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
             if i < k and (model.bodies.free[i] or model.bodies.free[k]))
         stages = stages or (FRICTION_STAGES if rough else STAGES)
@@ -305,13 +302,9 @@ class Settler:
             still.put(pose)
 
 
-def _grips(model: Model) -> bool:
-    return any(len(model.tendons.gripped(k)) for k in range(len(model.tendons.name)))
-
-
 def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
-    if _grips(model):
+    if len(model.tendons.grips):
         return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(
@@ -332,12 +325,21 @@ def _reaches(model: Model) -> Array:
     return found
 
 
+def angles(model: Model) -> list[str]:
+    """The angles of all hinges, by name."""
+    return [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
+
+
+def positions(model: Model, without: Collection[int] = ()) -> list[str]:
+    """The positions of all bodies that move freely, by name."""
+    return [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
+            if i not in without for part in PARTS]
+
+
 def place_start(settler: Settler, start: Start) -> Array:
     """The pose of a start, [nb, 3] of the centres of mass; joined bodies move along."""
     model, still = settler.model, settler.still
-    known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()),
-             *(f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free)
-               for part in PARTS)]
+    known = [*angles(model), *positions(model)]
     if wrong := [name for name in start if name not in known]:
         raise SceneError([Problem("name-not-found",
                                   f"{quoted(name)} cannot be given at the start", "from",

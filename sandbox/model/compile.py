@@ -72,6 +72,8 @@ def _bodies(mechanism: Mechanism) -> model.Bodies:
         fixed=_flags(motion == "fixed" for motion in motions),
         scheduled=_flags(motion not in ("dynamic", "fixed") for motion in motions),
         **columns_of(model.Bodies, bodies), pose=_floats((pose_of(body) for body in bodies), 3),
+        velocity=_floats(((*body.velocity, body.angular_velocity) if w else (0.0, 0.0, 0.0)
+                          for body, w in zip(bodies, weights, strict=True)), 3),
         centre=_floats((w.centre if w else (0.0, 0.0) for w in weights), 2),
         mass=_floats(w.mass if w else math.inf for w in weights),
         inertia=_floats(w.inertia if w else math.inf for w in weights))

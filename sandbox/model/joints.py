@@ -191,9 +191,8 @@ def slot_length(model: Model, joint: int) -> float:
 
 def turning(model: Model, joint: int) -> float:
     """Angular velocity of ``b`` against ``a`` at t = 0 [rad/s]; 0 for bodies that are not free."""
-    a, b = (model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
-            for body in model.joints.bodies[joint].tolist())
-    return b - a
+    a, b = model.bodies.velocity[model.joints.bodies[joint], 2].tolist()
+    return float(b - a)
 
 
 def sliding(model: Model, joint: int) -> float:
@@ -216,9 +215,7 @@ def _parting(model: Model, joint: int, places: tuple[Vec, Vec]) -> Vec:
     """Velocity of a point of ``b`` minus that of a point of ``a``, by their places at t = 0."""
     found = []
     for body, (px, py) in zip(model.joints.bodies[joint].tolist(), places, strict=True):
-        spec = model.mechanism.bodies[body]
-        (vx, vy), w = (spec.velocity, spec.angular_velocity) if model.bodies.free[body] else (
-            (0.0, 0.0), 0.0)
+        vx, vy, w = model.bodies.velocity[body].tolist()
         x, y = model.at_start(body, model.bodies.centre[body])
         found.append((vx - w * (py - y), vy + w * (px - x)))
     (ax, ay), (bx, by) = found

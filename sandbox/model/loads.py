@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.model.joints import placed, rotated
 from sandbox.model.model import Bodies, BodyLoads, Model, columns_of
 from sandbox.model.programs import law_of_load
 from sandbox.numeric import Array
@@ -122,8 +123,7 @@ def motion_of(
     body = int(loads.body[load])
     (x, y, angle), (u, v, w), (a, b, alpha) = pose, velocity, acceleration
     c, s = np.cos(angle), np.sin(angle)
-    px, py = loads.at[load] - model.bodies.centre[body]
-    rx, ry = c * px - s * py, s * px + c * py
+    rx, ry = rotated(loads.at[load] - model.bodies.centre[body], angle).T
     vx, vy = u - w * ry, v + w * rx
     ax, ay = a - alpha * ry - w * w * rx, b + alpha * rx - w * w * ry
     if loads.turning[load]:
@@ -141,19 +141,15 @@ def load_at(
     """Force in the world [N] and torque about the centre of mass [N m] of a load, [3, n]."""
     loads, law = model.loads, model.loads.law[load]
     body = int(loads.body[load])
-    c, s = np.cos(pose[2]), np.sin(pose[2])
     if law is None:
-        cx, cy = model.bodies.centre[body]
-        x = pose[0] - c * cx + s * cy
-        area, moment = below(loads.outline(load), x, pose[1] - s * cx - c * cy, pose[2],
-                             float(loads.level[load]))
+        x, y = placed(pose.T, -model.bodies.centre[body]).T
+        area, moment = below(loads.outline(load), x, y, pose[2], float(loads.level[load]))
         lift = loads.lift[load]
         return np.stack([np.zeros_like(x), lift * area, lift * (moment - pose[0] * area)])
     fx, fy, torque = law.at(motion_of(model, load, pose, velocity, acceleration, time))
     if loads.per_mass[load]:
         fx, fy = model.bodies.mass[body] * fx, model.bodies.mass[body] * fy
     if loads.turning[load]:
-        fx, fy = c * fx - s * fy, s * fx + c * fy
-    px, py = loads.at[load] - model.bodies.centre[body]
-    rx, ry = c * px - s * py, s * px + c * py
+        fx, fy = rotated(np.stack([fx, fy], axis=-1), pose[2]).T
+    rx, ry = rotated(loads.at[load] - model.bodies.centre[body], pose[2]).T
     return np.stack([fx, fy, torque + rx * fy - ry * fx])

@@ -64,6 +64,7 @@ class Bodies:
     free: Flags  # [nb] which move as forces have it; the others are fixed or scheduled
     fixed: Flags  # [nb]
     pose: Array  # [nb, 3] x, y [m], angle [rad] of the frame at t = 0
+    velocity: Array  # [nb, 3] of the centre of mass, and about it, at t = 0; 0 unless free
     centre: Array  # [nb, 2] centre of mass in the body's frame [m]; 0 unless free
     mass: Array  # [nb] [kg]; infinite unless free
     inertia: Array  # [nb] about the centre of mass [kg m^2]; infinite unless free

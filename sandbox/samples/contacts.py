@@ -8,7 +8,6 @@ same for ``other``, whose force is −f and whose normal is −u.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ CANCELLED = 1e-6  # Minimum of a resultant with a line of action, over the sum o
 
 
 class Contacts:
-    """The contact rows of a recording, sorted by body on first use."""
+    """The contact rows of a recording."""
 
     def __init__(self, arrays: Mapping[str, NDArray[Any]], *, samples: int, bodies: int) -> None:
         self.samples, self.bodies = samples, bodies
@@ -38,19 +37,10 @@ class Contacts:
         self.normal: Array = fx * nx + fy * ny  # Normal force of every row [N], [m]
         self.tangential: Array = fy * nx - fx * ny  # Tangential force, signed [N], [m]
 
-    @cached_property
-    def _by_body(self) -> tuple[Integers, Integers]:
-        """Both sides of all rows, sorted by body: side numbers [2 m] and where bodies begin."""
-        owner = np.concatenate([self.body, self.other])
-        order = np.argsort(owner, kind="stable")
-        return order, np.searchsorted(owner[order], np.arange(self.bodies + 1))
-
     def rows_of(self, body: int) -> tuple[Integers, Array]:
         """The rows that touch a body, and +1 where it is ``body``, -1 where it is ``other``."""
-        order, starts = self._by_body
-        side = order[starts[body]:starts[body + 1]]
-        second = side >= len(self.body)
-        return side - second * len(self.body), np.where(second, -1.0, 1.0)
+        first, second = (np.flatnonzero(side == body) for side in (self.body, self.other))
+        return np.append(first, second), np.repeat([1.0, -1.0], [len(first), len(second)])
 
     def of_body(self, body: int, quantity: str) -> Array:
         """``normal`` or ``tangential`` (sums of magnitudes), ``fx`` or ``fy`` [N], shape [n]."""

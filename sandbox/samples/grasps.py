@@ -166,7 +166,7 @@ class Grasp:
     @cached_property
     def fingers(self) -> Integers:
         """The number of every body's finger: its smallest group, else the body."""
-        names = {body.name: i for i, body in enumerate(self.run.mechanism.bodies)}
+        names = self.run.model.names.body
         finger = np.arange(len(names))
         for i, group in sorted(enumerate(self.run.mechanism.groups),
                                key=lambda each: -len(each[1].bodies)):

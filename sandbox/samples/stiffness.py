@@ -21,7 +21,7 @@ from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
 from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model, held_of
 from sandbox.model.pairs import friction_of, pair_skins
-from sandbox.model.supports import components
+from sandbox.model.supports import components, turning_row
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.loads import Batch, Loads
@@ -182,11 +182,7 @@ class Linearization:
                               (self.loads.friction_efforts, stuck)):
             yield from self._rows(efforts, len(joints.name))[held]
         for j in np.flatnonzero(self._engaged & ~joints.turns).tolist():
-            turn = np.zeros(self.count)
-            for body, sign in zip(joints.bodies[j].tolist(), (-1.0, 1.0), strict=True):
-                if self._at[body] >= 0:
-                    turn[self._at[body] + 2] = sign
-            yield turn
+            yield turning_row(self.model, j)[0, self._at >= 0].ravel()
 
     def _rigid_rows(self, rigids: Sequence[Rigid]) -> Array:
         """The rows of forces of joints and contacts, [k, 3 n]; adds their geometric stiffness."""
