@@ -1,9 +1,8 @@
 """Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
 
 A table is a curve in pieces, each y = y0 + t (b + t (c + t d)) of the distance t from its start,
-with one more piece before the first and after the last point. Smooth curves are cubic splines: with
-second derivatives M, distances h and slopes d of the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k
-= 6 (d_j - d_i) at each point. A periodic one has no ends; a natural one has M = 0 there.
+with one more piece before the first and after the last point. Smooth ones are cubic splines,
+natural or, of a table that repeats, periodic.
 """
 
 from __future__ import annotations
@@ -37,56 +36,6 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
         j = (i + 1) % len(points)
         refuse_if(one == points[j] and (closed or j), f"points {i} and {j} are the same point",
                   "bad-outline", allowed="each point once; a closed curve closes automatically")
-
-
-def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
-    """Pieces [n - 1, 4] of the natural spline through values [n] at increasing places [n].
-
-    With ``bent`` the third derivative does not jump at the place next to an end.
-    """
-    step, n = np.diff(at), len(at)
-    chord = np.diff(values) / step
-    matrix, i = np.eye(n), np.arange(1, n - 1)
-    matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
-    matrix[i, i] = 2 * (step[:-1] + step[1:])
-    if bent and n > 2:
-        matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
-        matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
-    if bent and n == 3:     # both end conditions are the same: a parabola
-        matrix[0, :] = 1, -1, 0
-    bend = np.linalg.solve(matrix, np.concatenate([[0.0], 6 * np.diff(chord), [0.0]]))
-    slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
-    return np.stack([values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
-
-
-class PeriodicSpline:
-    """The spline through three or more values at increasing angles [rad], within one period."""
-
-    def __init__(self, angles: Array, values: Array, period: float = math.tau) -> None:
-        self.angles, self._period = angles, period  # of its values [rad], [n]
-        step = np.append(angles[1:], angles[0] + period) - angles
-        chord = (np.roll(values, -1) - values) / step
-        i, before = np.arange(len(angles)), np.roll(step, 1)
-        matrix = np.diag(2 * (before + step))
-        np.add.at(matrix, (i, i - 1), before)
-        np.add.at(matrix, (i, (i + 1) % len(i)), step)
-        bend = np.linalg.solve(matrix, 6 * (chord - np.roll(chord, 1)))
-        after = np.roll(bend, -1)
-        self._terms = np.stack([
-            values, chord - step * (2 * bend + after) / 6, bend, (after - bend) / step])
-
-    def __call__(self, angle: Array) -> tuple[Array, Array, Array]:
-        """Value and first and second derivative at angles [m] rad, [m] each."""
-        turned = (angle - self.angles[0]) % self._period + self.angles[0]
-        k = np.searchsorted(self.angles, turned, side="right") - 1
-        t, (value, slope, bend, jerk) = turned - self.angles[k], self._terms[:, k]
-        return (value + t * (slope + t * (bend / 2 + t * jerk / 6)),
-                slope + t * (bend + t * jerk / 2), bend + t * jerk)
-
-    @property
-    def pieces(self) -> Array:
-        """As of :func:`natural`, the last one up to the first place again, [n, 4]."""
-        return np.stack(list(self._terms / [[1], [1], [2], [6]]), axis=1)
 
 
 class NamedTable(Spec):
@@ -152,10 +101,12 @@ class Function:
             if table.between == "linear":
                 slope = np.diff(value) / np.diff(at)
                 inner = np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
-            elif self.repeats:
-                inner = PeriodicSpline(at[:-1], value[:-1], self.period).pieces
             else:
-                inner = natural(at, value)
+                from scipy.interpolate import CubicSpline
+
+                value[-1] = value[0] if self.repeats else value[-1]
+                inner = CubicSpline(at, value, bc_type="periodic" if self.repeats else "natural"
+                                    ).c[::-1].T
         step = at[-1] - at[-2]
         end = inner[-1, 1] + step * (2 * inner[-1, 2] + step * 3 * inner[-1, 3])
         on = 1.0 if table.beyond == "extend" else 0.0

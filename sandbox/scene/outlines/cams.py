@@ -21,7 +21,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -30,8 +30,10 @@ from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
 from sandbox.values.numbers import Angle, Coordinate, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.tables import PeriodicSpline
 from sandbox.wording import WrongValueError, refuse_if
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
 SPARE = 1e-3  # relative margin of the reported radius above the smallest possible one
@@ -45,7 +47,7 @@ LARGEST = 1e6  # the largest radius that is reported [m]
 class CamCurve:
     """A cam's outline as a curve over its turn."""
 
-    lift: PeriodicSpline  # over the cam's turn [rad], [m]
+    lift: CubicSpline  # over the cam's turn [rad], [m]; periodic
     base: float  # radius where the lift is 0 [m]
     roller: float  # radius of the follower's roller [m]; 0 for a flat one
     towards: float  # from the centre to the follower, in the body's frame at its angle 0 [rad]
@@ -54,15 +56,14 @@ class CamCurve:
     @cached_property
     def checked(self) -> Array:
         """Turns that lie close enough to see every bend of the lift [rad]."""
-        angles = self.lift.angles
-        ends = np.append(angles, angles[0] + math.tau)
+        ends = self.lift.x
         between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
         return np.unique(np.concatenate([
-            between, angles[0] + math.tau * np.arange(CHECKED) / CHECKED]))
+            between, ends[0] + math.tau * np.arange(CHECKED) / CHECKED]))
 
     def nodes(self, turn: Array) -> Array:
         """Contact points with the follower at turns [rad], counter-clockwise, as nodes [n, 4]."""
-        s, s1, s2 = self.lift(turn)
+        s, s1, s2 = (self.lift(turn, order) for order in range(3))
         s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
         psi = self.towards - self.sense * turn
         n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
@@ -81,7 +82,7 @@ class CamCurve:
 
     def radius(self, turn: Array) -> Array:
         """The margin against undercut [m], negative where it occurs; large where hollow."""
-        s, s1, s2 = self.lift(turn)
+        s, s1, s2 = (self.lift(turn, order) for order in range(3))
         if not self.roller:
             return np.asarray(self.base + s + s2)
         r = self.base + self.roller + s
@@ -90,7 +91,7 @@ class CamCurve:
 
     def swing(self) -> tuple[float, float, float] | None:
         """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
-        lift, entries = self.lift(self.checked)[0], self.lift.pieces[:, 0]
+        lift, entries = self.lift(self.checked), self.lift.c[-1]
         beyond = np.maximum(lift - entries.max(), entries.min() - lift)
         k = int(beyond.argmax())
         if beyond[k] <= SWINGS * np.ptp(entries):
@@ -100,16 +101,14 @@ class CamCurve:
 
 def cam_nodes(curve: CamCurve) -> Array:
     """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
-    lowest = float(curve.lift(curve.checked)[0].min())
+    lowest = float(curve.lift(curve.checked).min())
     refuse_if(curve.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
               f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
               f"above {-lowest:.6g} m, or more entries where the curve swings between them")
     radius = curve.radius(curve.checked)
     if radius.min() <= 0:
         raise _undercut(curve, math.degrees(float(curve.checked[int(radius.argmin())])))
-    first = curve.lift.angles[0]
-    turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
-                       first + math.tau * np.arange(24) / 24)
+    turns = np.union1d(curve.lift.x, curve.lift.x[0] + math.tau * np.arange(24) / 24)
     turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
     turns *= -curve.sense
     return nodes_along(lambda at: curve.nodes(-curve.sense * at), np.sort(turns), FINE)[:-1]
@@ -172,6 +171,10 @@ class DiscCam(Spec):
 
     def curve(self) -> CamCurve:
         """The outline about the cam's centre."""
-        angles, lifts = np.array(self.lift).T
-        return CamCurve(PeriodicSpline(angles, lifts), self.base, self.roller or 0.0,
-                        self.towards, 1 if self.turns == "counterclockwise" else -1)
+        from scipy.interpolate import CubicSpline
+
+        begin, height = self.lift[0]
+        angles, lifts = np.array([*self.lift, (begin + math.tau, height)]).T
+        return CamCurve(CubicSpline(angles, lifts, bc_type="periodic"), self.base,
+                        self.roller or 0.0, self.towards,
+                        1 if self.turns == "counterclockwise" else -1)

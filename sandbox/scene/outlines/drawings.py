@@ -20,11 +20,11 @@ from pydantic import Field
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import (
-    curvature,
     flattened,
     is_smooth,
     joined,
     nodes_along,
+    nodes_of,
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
@@ -163,28 +163,21 @@ def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
 
 def _bezier(points: Array) -> Callable[[Array], Array]:
     """Nodes of a Bézier curve at parameters of [0, 1]."""
-    degree = len(points) - 1
-    first, second = np.diff(points, axis=0), np.diff(points, 2, axis=0)
+    from scipy.interpolate import BPoly
 
-    def at(control: Array, t: Array) -> Array:
-        n = len(control) - 1
-        weights = np.stack([math.comb(n, k) * t**k * (1 - t) ** (n - k) for k in range(n + 1)])
-        return np.asarray((weights[:, :, None] * control[:, None]).sum(axis=0))
+    curve, degree = BPoly(points[:, None], [0.0, 1.0]), len(points) - 1
+    fastest = degree * np.hypot(*np.diff(points, axis=0).T).max()
 
     def nodes(t: Array) -> Array:
-        place, along, bend = at(points, t), at(first, t), np.zeros_like(t)
         # where the speed is 0, because control points coincide, take what is next to it
-        still = np.hypot(*along.T) < 1e-9 * np.hypot(*first.T).max()
-        t = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
-        along = degree * at(first, t)
-        if degree > 1:
-            bend = curvature(along, degree * (degree - 1) * at(second, t))
-        return np.column_stack([place, np.arctan2(along[:, 1], along[:, 0]), bend])
+        still = np.hypot(*curve(t, 1).T) < 1e-9 * fastest
+        beside = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
+        return nodes_of(curve(t), curve(beside, 1), curve(beside, 2))
 
     return nodes
 
 
-def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
+def _all_nodes(drawn: Iterable[list[Array]]) -> list[Array]:
     """Nodes [k, 4] of curves, each of consecutive Bézier curves by their 2 to 4 control points."""
     curves: list[Array] = []
     for pieces in drawn:
@@ -233,7 +226,7 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
                              * (1 / box[0], -1 / box[0]) + 0.0)
         return found
 
-    return _nodes_of(map(control_points, paths)), PIXEL * box[0]
+    return _all_nodes(map(control_points, paths)), PIXEL * box[0]
 
 
 def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
@@ -265,7 +258,7 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
             at = command.end
         return pieces
 
-    return _nodes_of(control_points(each) for each in chosen if each.dxftype() in CURVES), own
+    return _all_nodes(control_points(each) for each in chosen if each.dxftype() in CURVES), own
 
 
 READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
