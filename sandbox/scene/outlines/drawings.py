@@ -220,9 +220,7 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
                 count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
                 pieces = list(segment.as_cubic_curves(count))
             for piece in pieces:
-                inner = (getattr(piece, name, None) for name in ("control", "control1", "control2"))
-                points = [piece.start, *(each for each in inner if each is not None), piece.end]
-                found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
+                found.append((np.array([(p.x, p.y) for p in piece]) - box[1:])
                              * (1 / box[0], -1 / box[0]) + 0.0)
         return found
 
@@ -252,10 +250,9 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         drawn = path.make_path(entity, segments=ARCS)
         pieces, at = [], drawn.start
         for command in drawn.commands():
-            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                       if hasattr(command, name)]
-            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-            at = command.end
+            end, *control = command
+            pieces.append(np.array([(p.x, p.y) for p in (at, *control, end)]))
+            at = end
         return pieces
 
     return _all_nodes(control_points(each) for each in chosen if each.dxftype() in CURVES), own
