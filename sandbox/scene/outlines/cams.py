@@ -123,17 +123,14 @@ class DiscCam(Spec):
             bend = pitch / (1 - self.roller * pitch)
         return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
 
-    def margin(self, base: float) -> Array:
-        """The margin against undercut [m] with a base radius, negative where it occurs.
+    def radii(self) -> Array:
+        """Radii of curvature at the turns :attr:`checked` [m], negative where it is undercut.
 
-        It is that at the turns :attr:`checked`, and large where the outline is hollow.
+        Where the outline is hollow, its radius is below -r for a roller of radius r: no undercut.
         """
-        s, s1, s2 = (self.rise(self.checked, order) for order in range(3))
-        if self.roller is None:
-            return np.asarray(base + s + s2)
-        r = base + self.roller + s
-        bend = (r**2 + 2 * s1**2 - r * s2) / (r**2 + s1**2) ** 1.5
-        return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
+        with np.errstate(divide="ignore"):
+            radius = np.asarray(1 / self.contacts(self.checked)[:, 3])
+        return radius if self.roller is None else np.where(radius < -self.roller, LARGEST, radius)
 
     def swing(self) -> tuple[float, float, float] | None:
         """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
@@ -153,9 +150,9 @@ class DiscCam(Spec):
         refuse_if(self.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
                   f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
                   f"above {-lowest:.6g} m, or more entries where the curve swings between them")
-        margin = self.margin(self.base)
-        if margin.min() <= 0:
-            raise self._undercut(math.degrees(float(self.checked[int(margin.argmin())])))
+        radii = self.radii()
+        if radii.min() <= 0:
+            raise self._undercut(math.degrees(float(self.checked[int(radii.argmin())])))
         turns = np.union1d(self.rise.x, self.rise.x[0] + math.tau * np.arange(24) / 24)
         turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
         return nodes_along(lambda at: self.contacts(-self.sense * at), np.sort(-self.sense * turns),
@@ -165,7 +162,8 @@ class DiscCam(Spec):
         low, high = self.base, LARGEST
         while high - low > SPARE * low:
             middle = math.sqrt(low * high)
-            low, high = (low, middle) if self.margin(middle).min() > 0 else (middle, high)
+            fits = self.model_copy(update={"base": middle}).radii().min() > 0
+            low, high = (low, middle) if fits else (middle, high)
         digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
         what, more = ("a flat follower bridges it", "") if self.roller is None else (
             f"a roller of {self.roller:.6g} m cannot reach it", ", or a smaller roller")
