@@ -193,10 +193,8 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     refuse_if(corners > MAX_CORNERS, f"the tolerance of {shape.tolerance:.3g} m needs {corners} "
               f"corners, more than {MAX_CORNERS}", "bad-outline",
               allowed=f"a tolerance of {2 * shape.tolerance * (corners / MAX_CORNERS)**2:.1g} m")
-    nodes: Nodes = ()
-    if any(each[:, 3].any() for each in rings):  # not only straight lines
-        nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
-                      for each in rings)
+    nodes: Nodes = tuple(tuple(map(tuple, each.tolist())) for each in rings) if any(
+        each[:, 3].any() for each in rings) else ()  # of straight lines none
     try:
         if isinstance(shape, SmoothCurve) and not closed:
             return Polyline(points=flat[0], radius=shape.radius, nodes=nodes)

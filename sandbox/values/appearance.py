@@ -79,6 +79,8 @@ FillColour = Annotated[str, AfterValidator(_checked), COLOUR_SCHEMA]  # a colour
 
 def rgb(text: str) -> RGB:
     """Red, green and blue, 0 to 255, of a colour."""
-    from PIL.ImageColor import getrgb
-
-    return COLOURS.get(text) or getrgb(text)[:3]
+    if text in COLOURS:
+        return COLOURS[text]
+    digits = text[1:] if len(text) == 7 else "".join(2 * digit for digit in text[1:])
+    red, green, blue = (int(digits[k:k + 2], 16) for k in (0, 2, 4))
+    return red, green, blue

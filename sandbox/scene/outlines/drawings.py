@@ -241,10 +241,9 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         raise WrongValueError(CODE, f"it has no layer {quoted(layer)}", allowed=listed(layers),
                               hint=near(layer, layers))
     chosen = [entity for entity in space if layer is None or entity.dxf.layer == layer]
-    for entity in chosen:
-        if entity.dxftype() == "INSERT":
-            raise WrongValueError(CODE, f"it holds the block {quoted(entity.dxf.name)}, which is "
-                                  "not followed", allowed="blocks exploded into lines and curves")
+    for block in (entity for entity in chosen if entity.dxftype() == "INSERT"):
+        refuse_if(block, f"it holds the block {quoted(block.dxf.name)}, which is not followed",
+                  CODE, allowed="blocks exploded into lines and curves")
 
     def control_points(entity: Any) -> list[Array]:
         drawn = path.make_path(entity, segments=ARCS)
