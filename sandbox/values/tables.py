@@ -1,8 +1,9 @@
 """Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
 
 A table is a curve in pieces, each y = y0 + t (b + t (c + t d)) of the distance t from its start,
-with one more piece before the first and after the last point. Smooth ones are cubic splines,
-natural or, of a table that repeats, periodic.
+with one more piece before the first and after the last point. Smooth curves are cubic splines: with
+second derivatives M, distances h and slopes d of the chords, h_i M_i + 2 (h_i + h_j) M_j + h_j M_k
+= 6 (d_j - d_i) at each point. A periodic one has no ends; a natural one has M = 0 there.
 """
 
 from __future__ import annotations
@@ -36,6 +37,40 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
         j = (i + 1) % len(points)
         refuse_if(one == points[j] and (closed or j), f"points {i} and {j} are the same point",
                   "bad-outline", allowed="each point once; a closed curve closes automatically")
+
+
+class Spline:
+    """The cubic spline through values [n] at increasing places [n].
+
+    It is ``natural``; ``bent``, if the third derivative does not jump at the place next to an end;
+    or ``periodic``, if the last value is the first.
+    """
+
+    def __init__(self, at: Array, values: Array, ends: str) -> None:
+        self.at, step, n = at, np.diff(at), len(at)
+        chord = np.diff(values) / step
+        matrix, i = np.eye(n), np.arange(1, n - 1)
+        matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
+        matrix[i, i] = 2 * (step[:-1] + step[1:])
+        right = np.concatenate([[0.0], 6 * np.diff(chord), [0.0]])
+        if ends == "periodic":  # in its first row M is the same at both ends
+            matrix[0, -1], right[-1] = -1.0, 6 * (chord[0] - chord[-1])
+            matrix[-1, [1, -2, -1]] = step[0], step[-1], 2 * (step[0] + step[-1])
+        elif ends == "bent" and n > 2:
+            matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
+            matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
+            if n == 3:  # both end conditions are the same: a parabola
+                matrix[0, :] = 1, -1, 0
+        bend = np.linalg.solve(matrix, right)
+        slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
+        self.pieces = np.stack(
+            [values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
+
+    def __call__(self, x: Array) -> tuple[Array, Array, Array]:
+        """Value, first and second derivative at places [m] between its ends, [m] each."""
+        k = np.clip(np.searchsorted(self.at, x, side="right") - 1, 0, len(self.pieces) - 1)
+        t, (y, b, c, d) = x - self.at[k], self.pieces[k].T
+        return y + t * (b + t * (c + t * d)), b + t * (2 * c + t * 3 * d), 2 * c + t * 6 * d
 
 
 class NamedTable(Spec):
@@ -102,11 +137,7 @@ class Function:
                 slope = np.diff(value) / np.diff(at)
                 inner = np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
             else:
-                from scipy.interpolate import CubicSpline
-
-                value[-1] = value[0] if self.repeats else value[-1]
-                inner = CubicSpline(at, value, bc_type="periodic" if self.repeats else "natural"
-                                    ).c[::-1].T
+                inner = Spline(at, value, "periodic" if self.repeats else "natural").pieces
         step = at[-1] - at[-2]
         end = inner[-1, 1] + step * (2 * inner[-1, 2] + step * 3 * inner[-1, 3])
         on = 1.0 if table.beyond == "extend" else 0.0

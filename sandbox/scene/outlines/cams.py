@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -29,10 +29,8 @@ from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
 from sandbox.values.numbers import Angle, Coordinate, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
+from sandbox.values.tables import Spline
 from sandbox.wording import WrongValueError, refuse_if
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
 SPARE = 1e-3  # relative margin of the reported radius above the smallest possible one
@@ -83,13 +81,11 @@ class DiscCam(Spec):
                   "turn, without the first entry again at its end; '15 deg' for degrees")
 
     @cached_property
-    def rise(self) -> CubicSpline:
+    def rise(self) -> Spline:
         """The lift over the cam's turn [rad], periodic, [m]."""
-        from scipy.interpolate import CubicSpline
-
         begin, height = self.lift[0]
         angles, lifts = np.array([*self.lift, (begin + math.tau, height)]).T
-        return CubicSpline(angles, lifts, bc_type="periodic")
+        return Spline(angles, lifts, "periodic")
 
     @property
     def sense(self) -> int:
@@ -99,14 +95,14 @@ class DiscCam(Spec):
     @cached_property
     def checked(self) -> Array:
         """Turns that lie close enough to see every bend of the lift [rad]."""
-        ends = self.rise.x
+        ends = self.rise.at
         between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
         return np.unique(np.concatenate([
             between, ends[0] + math.tau * np.arange(CHECKED) / CHECKED]))
 
     def contacts(self, turn: Array) -> Array:
         """Contact points with the follower at turns [rad], counter-clockwise, as nodes [n, 4]."""
-        s, s1, s2 = (self.rise(turn, order) for order in range(3))
+        s, s1, s2 = self.rise(turn)
         s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
         psi = self.towards - self.sense * turn
         n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
@@ -134,7 +130,7 @@ class DiscCam(Spec):
 
     def swing(self) -> tuple[float, float, float] | None:
         """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
-        lift, entries = self.rise(self.checked), self.rise.c[-1]
+        lift, entries = self.rise(self.checked)[0], self.rise.pieces[:, 0]
         beyond = np.maximum(lift - entries.max(), entries.min() - lift)
         k = int(beyond.argmax())
         if beyond[k] <= SWINGS * np.ptp(entries):
@@ -146,14 +142,14 @@ class DiscCam(Spec):
 
         One lies at every angle of the lift's table.
         """
-        lowest = float(self.rise(self.checked).min())
+        lowest = float(self.rise(self.checked)[0].min())
         refuse_if(self.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
                   f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
                   f"above {-lowest:.6g} m, or more entries where the curve swings between them")
         radii = self.radii()
         if radii.min() <= 0:
             raise self._undercut(math.degrees(float(self.checked[int(radii.argmin())])))
-        turns = np.union1d(self.rise.x, self.rise.x[0] + math.tau * np.arange(24) / 24)
+        turns = np.union1d(self.rise.at, self.rise.at[0] + math.tau * np.arange(24) / 24)
         turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
         return nodes_along(lambda at: self.contacts(-self.sense * at), np.sort(-self.sense * turns),
                            FINE)[:-1]

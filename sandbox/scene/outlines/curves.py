@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -23,7 +23,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.outlines.rings import Ring
 from sandbox.values.numbers import Angle, Distance, Flag, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.tables import check_distinct
+from sandbox.values.tables import Spline, check_distinct
 from sandbox.wording import refuse_if
 
 Node = tuple[float, float, float, float]
@@ -118,24 +118,25 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...]) -> Array:
     Without corners a closed one is periodic; else the third derivative does not jump next to an
     end.
     """
-    from scipy.interpolate import CubicSpline
-
     if closed and not corners:
-        return _interpolated(np.concatenate([points, points[:1]]),
-                             partial(CubicSpline, bc_type="periodic"))[:-1]
+        return _interpolated(np.concatenate([points, points[:1]]), "periodic")[:-1]
     if closed:
         points = np.roll(points, -corners[0], axis=0)
         points = np.concatenate([points, points[:1]])
         corners = tuple(k - corners[0] for k in corners[1:])
     ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
-    return np.concatenate([_interpolated(points[i:j + 1], CubicSpline) for i, j in pairwise(ends)])
+    return np.concatenate([_interpolated(points[i:j + 1], "bent") for i, j in pairwise(ends)])
 
 
-def _interpolated(points: Array, spline: Callable[[Array, Array], Any]) -> Array:
-    """Nodes of a spline through points [n, 2] over the chords' lengths."""
-    at = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    curve = spline(at, points)
-    return nodes_of(points, curve(at, 1), curve(at, 2))
+def _interpolated(points: Array, ends: str) -> Array:
+    at = _chords(points)
+    _, first, second = np.stack([Spline(at, axis, ends)(at) for axis in points.T], axis=2)
+    return nodes_of(points, first, second)
+
+
+def _chords(points: Array) -> Array:
+    """Lengths of the chords of points [n, 2] up to each, [n]."""
+    return np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
 
 
 def nodes_of(points: Array, first: Array, second: Array) -> Array:
@@ -273,9 +274,11 @@ def path_through(points: tuple[tuple[float, float], ...], *, closed: bool) -> Pa
 
     ring = np.array([*points, points[0]] if closed else points)
     degree = 5 if closed or len(points) > 5 else 3 if len(points) > 3 else 2
-    spline = partial(make_interp_spline, k=degree, bc_type="periodic" if closed else None)
+    at = _chords(ring)
+    spline = make_interp_spline(at, ring, degree, bc_type="periodic" if closed else None)
+    first, second = (spline(at[:len(points)], order) for order in (1, 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Path(_interpolated(ring, spline)[:len(points)], closed)
+        return Path(nodes_of(np.array(points), first, second), closed)
 
 
 class SmoothCurve(Spec):

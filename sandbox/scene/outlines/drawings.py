@@ -163,16 +163,20 @@ def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
 
 def _bezier(points: Array) -> Callable[[Array], Array]:
     """Nodes of a Bézier curve at parameters of [0, 1]."""
-    from scipy.interpolate import BPoly
+    degree = len(points) - 1
+    first, second = np.diff(points, axis=0), np.diff(points, 2, axis=0)
 
-    curve, degree = BPoly(points[:, None], [0.0, 1.0]), len(points) - 1
-    fastest = degree * np.hypot(*np.diff(points, axis=0).T).max()
+    def at(control: Array, t: Array) -> Array:
+        n = len(control) - 1
+        weights = [math.comb(n, k) * t**k * (1 - t) ** (n - k) for k in range(n + 1)]
+        return np.asarray(np.transpose(weights) @ control) if weights else np.zeros((len(t), 2))
 
     def nodes(t: Array) -> Array:
         # where the speed is 0, because control points coincide, take what is next to it
-        still = np.hypot(*curve(t, 1).T) < 1e-9 * fastest
+        still = np.hypot(*at(first, t).T) < 1e-9 * np.hypot(*first.T).max()
         beside = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
-        return nodes_of(curve(t), curve(beside, 1), curve(beside, 2))
+        return nodes_of(at(points, t), degree * at(first, beside),
+                        degree * (degree - 1) * at(second, beside))
 
     return nodes
 
