@@ -135,7 +135,8 @@ class _Reading:
         except SceneError as error:
             raise ValueError(f"{INFO!r} cannot be read: {line_of(error.problems[0])}") from None
         version = info.pop("format", None) if isinstance(info, dict) else None
-        _refuse_if(type(version) is not int or version < 1, f"{INFO!r} does not describe a run")
+        if type(version) is not int or version < 1:
+            raise ValueError(f"{INFO!r} does not describe a run")
         if version > FORMAT:
             raise OutputError(f"{self.path} has format {quoted(version)}; this version reads up to "
                               f"{FORMAT}: use a newer sandbox", code="unsupported-format")
