@@ -8,15 +8,17 @@ import json
 import math
 import re
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.wording import meant
+from sandbox.wording import meant, refuse_if
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
 
+_refuse_if = partial(refuse_if, code="bad-option")
 MAX_STARTS = 200  # combinations of the values of ``--from``
 _NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.:][^:]*?)?\s*"
 _ALONG = re.compile(rf"\s*([^=]+?)\s*={_NUMBER}:{_NUMBER}:\s*(\d+)\s*")
@@ -27,10 +29,8 @@ def pairs(words: Sequence[str], form: str = "name=value") -> dict[str, str]:
     found: dict[str, str] = {}
     for word in words:
         name, equals, text = (part.strip() for part in word.partition("="))
-        if not (name and equals and text):
-            raise ValueError(f"{word!r} is not of the form {form}")
-        if name in found:
-            raise ValueError(f"{name!r} is given twice")
+        _refuse_if(not (name and equals and text), f"{word!r} is not of the form {form}")
+        _refuse_if(name in found, f"{name!r} is given twice")
         found[name] = text
     return found
 
@@ -40,8 +40,7 @@ def overrides(words: Sequence[str]) -> dict[str, Any]:
     overrides: dict[str, Any] = {}
     for word in words:
         path, equals, text = word.partition("=")
-        if not equals or not path.strip():
-            raise ValueError(f"{word!r} is not of the form path=value")
+        _refuse_if(not equals or not path.strip(), f"{word!r} is not of the form path=value")
         overrides[path.strip()] = text
         with contextlib.suppress(ValueError, RecursionError):
             overrides[path.strip()] = json.loads(text)
@@ -56,12 +55,11 @@ def limits(words: Sequence[str]) -> Limits:
     known = [field.name for field in fields(Limits)]
     changes: dict[str, int] = {}
     for name, text in pairs(words).items():
-        if name not in known:
-            raise ValueError(f"there is no limit {name!r}.{meant(name, known)} Limits: "
-                             f"{', '.join(known)}.")
+        _refuse_if(name not in known, f"there is no limit {name!r}.{meant(name, known)} Limits: "
+                   f"{', '.join(known)}.")
         value = float(text) if re.fullmatch(r"[\d.]+(?:[eE]\+?\d+)?", text) else 0.0
-        if not (value >= 1 and value.is_integer()):
-            raise ValueError(f"{name}={text} is not a valid positive integer")
+        _refuse_if(not (value >= 1 and value.is_integer()),
+                   f"{name}={text} is not a valid positive integer")
         changes[name] = int(value)
     return Limits(**changes)
 
@@ -75,10 +73,8 @@ def quantity(text: str, dimension: str | None = None) -> float:
 def length(text: str) -> float:
     """Read a length of 0 or more, with a unit, [m]."""
     value = quantity(text, "length")
-    if value and text.strip().isdecimal():
-        raise ValueError(f"{text} has no unit, as {text}mm has")
-    if value < 0:
-        raise ValueError(f"must not be less than 0, got {text}")
+    _refuse_if(value and text.strip().isdecimal(), f"{text} has no unit, as {text}mm has")
+    _refuse_if(value < 0, f"must not be less than 0, got {text}")
     return value
 
 
@@ -89,8 +85,8 @@ def starts(words: Sequence[str]) -> list[dict[str, float]]:
         path: [number_from(each.strip(), "angle" if path.endswith(".angle") else "length", {})
                for each in text.split(",")]
         for path, text in pairs(words, "path=values").items()}
-    if math.prod(map(len, given.values())) > MAX_STARTS:
-        raise ValueError(f"more than {MAX_STARTS} combinations")
+    _refuse_if(math.prod(map(len, given.values())) > MAX_STARTS,
+               f"more than {MAX_STARTS} combinations")
     return [dict(zip(given, each, strict=True))
             for each in itertools.product(*given.values())] if given else []
 
@@ -101,8 +97,7 @@ def along(word: str) -> tuple[str, float, float, str, int]:
         raise ValueError(f"{word!r} is not of the form PATH=FROM:TO:COUNT, as in "
                          "parameters.pull=0:10:21 or 'parameters.pull=0 N:10 N:21'")
     path, begin, one, end, other, count = match.groups()
-    if one and other and one != other:
-        raise ValueError(f"{one!r} and {other!r} are two units")
+    _refuse_if(one and other and one != other, f"{one!r} and {other!r} are two units")
     return path, float(begin), float(end), one or other or "", int(count)
 
 
@@ -122,9 +117,8 @@ def workers(word: str) -> int | str:
     from sandbox.sweeps.processes import check_workers, preload
     if "://" in word:
         return word
-    if word and (not word.isdecimal() or int(word) < 1):
-        raise ValueError(f"{word!r} is neither a number of processes nor the address of a Dask "
-                         "scheduler, as in tcp://10.0.0.1:8786")
+    _refuse_if(word and (not word.isdecimal() or int(word) < 1), f"{word!r} is neither a number of "
+               "processes nor the address of a Dask scheduler, as in tcp://10.0.0.1:8786")
     count = check_workers(int(word or 0))
     if not click.get_current_context().resilient_parsing:  # the shell completes a word
         preload()

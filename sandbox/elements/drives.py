@@ -248,7 +248,7 @@ class StiffnessDrive(DriveSpec):
     """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
     friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
     ``pretension`` sets the rest length by the tendon's own stiffness."""
-    value: signals.StiffnessSignal | None = None
+    value: signals.Signal | None = None
     """Stiffness over time [N/m, of a rotary spring N m/rad]; by default the element's own."""
 
     def _verify(self) -> None:

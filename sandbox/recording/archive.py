@@ -14,6 +14,7 @@ import math
 import re
 import struct
 import zipfile
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -28,8 +29,9 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_size
 from sandbox.scene.read.load import checked, validated
 from sandbox.scene.read.source import parse_source
-from sandbox.wording import quoted
+from sandbox.wording import quoted, refuse_if
 
+_refuse_if = partial(refuse_if, code="run-damaged")
 FORMAT = 1
 MECHANISM, INFO = "mechanism.json", "info.json"
 IN_MEMORY = 1 << 26  # Bytes up to which a recording is read into memory; others are mapped
@@ -107,27 +109,23 @@ class _Reading:
         end, unpacked = file.seek(0, io.SEEK_END), 0
         for one in archive.infolist():
             name, stored = one.filename, one.compress_type == zipfile.ZIP_STORED
-            if not NAME.fullmatch(name):
-                raise ValueError(f"no part of a recording is called {quoted(name)}")
-            if name in self.members:
-                raise ValueError(f"{name!r} is in it twice")
-            if one.flag_bits & 1 or not (stored or one.compress_type == zipfile.ZIP_DEFLATED):
-                raise ValueError(f"{name!r} is encrypted, or packed in a way that is not read")
-            if one.compress_size > end - one.header_offset or (
-                    stored and one.file_size != one.compress_size):
-                raise ValueError(f"{name!r} claims more bytes than there are")
+            packed = stored or one.compress_type == zipfile.ZIP_DEFLATED
+            _refuse_if(not NAME.fullmatch(name), f"no part of a recording is called {quoted(name)}")
+            _refuse_if(name in self.members, f"{name!r} is in it twice")
+            _refuse_if(one.flag_bits & 1 or not packed,
+                       f"{name!r} is encrypted, or packed in a way that is not read")
+            _refuse_if(one.compress_size > end - one.header_offset or (
+                stored and one.file_size != one.compress_size),
+                f"{name!r} claims more bytes than there are")
             self.members[name] = one
             unpacked += 0 if stored else one.file_size
-        if unpacked > MAX_UNPACKED:
-            raise ValueError(
-                f"its compressed parts would take {unpacked} bytes; allowed: at most "
-                f"{MAX_UNPACKED}, or any size stored without compression")
+        _refuse_if(unpacked > MAX_UNPACKED, f"its compressed parts would take {unpacked} bytes; "
+                   f"allowed: at most {MAX_UNPACKED}, or any size stored without compression")
 
     def _text(self, name: str, limit: int) -> str:
-        if name not in self.members:
-            raise ValueError(f"it has no {name!r}")
-        if (size := self.members[name].file_size) > limit:
-            raise ValueError(f"{name!r} has {size} bytes; allowed: at most {limit}")
+        _refuse_if(name not in self.members, f"it has no {name!r}")
+        size = self.members[name].file_size
+        _refuse_if(size > limit, f"{name!r} has {size} bytes; allowed: at most {limit}")
         return self.archive.read(name).decode()
 
     def info(self) -> dict[str, Any]:
@@ -167,13 +165,12 @@ class _Reading:
         large = sum(member.file_size for member in found.values()) > IN_MEMORY
         arrays = {row.name: self._array(row, member, mapped=large) for row, member in found.items()}
         time, end = arrays.get("time", np.zeros(0)), mechanism.run.duration + mechanism.run.step
-        if len(time) and time[-1] > end * (1 + ROUNDING):
-            raise ValueError(f"array 'time' goes on after the run's end of {end:.9g} s: "
-                             f"{time[-1]:.9g} s")
+        last = float(time.max(initial=0.0))
+        _refuse_if(last > end * (1 + ROUNDING), f"array 'time' goes on after the run's end of "
+                   f"{end:.9g} s: {last:.9g} s")
         for body, mass in zip(mechanism.bodies, arrays.get("body_mass", ()), strict=False):
-            if body.motion == "dynamic" and np.isinf(mass):
-                raise ValueError(f"array 'body_mass' has no weight for {quoted(body.name)}, "
-                                 "which moves freely")
+            _refuse_if(body.motion == "dynamic" and np.isinf(mass), "array 'body_mass' has no "
+                       f"weight for {quoted(body.name)}, which moves freely")
         return arrays
 
     def _array(self, row: Recorded, member: zipfile.ZipInfo, *, mapped: bool) -> NDArray[Any]:
@@ -186,13 +183,13 @@ class _Reading:
             except ValueError:
                 raise ValueError(f"{member.filename!r} is not an array of numbers") from None
             begin = stream.tell()
-            if given != wanted:
-                raise ValueError(f"array {row.name!r} holds {given}, expected {wanted}")
-            if by_columns and len(shape) > 1:
-                raise ValueError(f"array {row.name!r} is stored column by column")
-            if min(shape, default=0) < 0 or begin + 8 * math.prod(shape) != member.file_size:
-                raise ValueError(f"array {row.name!r} of shape {shape} does not take the "
-                                 f"{member.file_size} bytes that it has")
+            _refuse_if(given != wanted, f"array {row.name!r} holds {given}, expected {wanted}")
+            _refuse_if(by_columns and len(shape) > 1,
+                       f"array {row.name!r} is stored column by column")
+            size = member.file_size
+            _refuse_if(min(shape, default=0) < 0 or begin + 8 * math.prod(shape) != size,
+                       f"array {row.name!r} of shape {shape} does not take the {size} bytes that "
+                       "it has")
             # a member is read to its end, where its checksum is compared
             if not mapped or 0 in shape or member.compress_type != zipfile.ZIP_STORED:
                 array = np.array(np.frombuffer(stream.read(), wanted)).reshape(shape)
@@ -203,8 +200,8 @@ class _Reading:
                 label, extra = struct.unpack("<26xHH", self.file.read(30))
                 begin += member.header_offset + 30 + label + extra
                 array = np.memmap(self.file, wanted, "r", begin, shape)
-        if bad := fault(row, array):
-            raise ValueError(f"array {row.name!r} {bad}")
+        bad = fault(row, array)
+        _refuse_if(bad, f"array {row.name!r} {bad}")
         return array
 
 

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, PrivateAttr, ValidationInfo, field_v
 
 from sandbox.elements.element import Placed, Reference
 from sandbox.errors import SceneError
-from sandbox.scene.outlines.cams import DiscCam, cam_nodes
+from sandbox.scene.outlines.cams import DiscCam
 from sandbox.scene.outlines.curves import SmoothCurve, flattened, turned
 from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.outlines.rings import (
@@ -113,7 +113,7 @@ class Polygon(Spec):
 
     @property
     def swing(self) -> tuple[float, float, float] | None:
-        """Of a cam just read, :meth:`sandbox.scene.outlines.cams.CamCurve.swing`."""
+        """Of a cam just read, :meth:`sandbox.scene.outlines.cams.DiscCam.swing`."""
         return self._swing
 
     @field_validator("holes")
@@ -183,12 +183,9 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     """The polygon or polyline of a curve, cam or drawing; any other shape as it is."""
     if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
-    if isinstance(shape, DiscCam):
-        rings, turn = [cam_nodes(shape.curve())], 0.0
-    elif isinstance(shape, SmoothCurve):
-        rings, turn = [shape.curve()], shape.angle
-    else:
-        rings, turn = shape.curves((info.context or {}).get("folder")), shape.angle
+    rings = shape.curves((info.context or {}).get("folder")) if isinstance(shape, Drawing) else \
+        [shape.curve()]
+    turn = 0.0 if isinstance(shape, DiscCam) else shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = [flattened(each, shape.tolerance, closed=closed) for each in rings]
@@ -196,10 +193,8 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     refuse_if(corners > MAX_CORNERS, f"the tolerance of {shape.tolerance:.3g} m needs {corners} "
               f"corners, more than {MAX_CORNERS}", "bad-outline",
               allowed=f"a tolerance of {2 * shape.tolerance * (corners / MAX_CORNERS)**2:.1g} m")
-    nodes: Nodes = ()
-    if any(each[:, 3].any() for each in rings):  # not only straight lines
-        nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
-                      for each in rings)
+    nodes: Nodes = tuple(tuple(map(tuple, each.tolist())) for each in rings) if any(
+        each[:, 3].any() for each in rings) else ()  # of straight lines none
     try:
         if isinstance(shape, SmoothCurve) and not closed:
             return Polyline(points=flat[0], radius=shape.radius, nodes=nodes)
@@ -209,7 +204,7 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
         raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
                               allowed=SOUND) from None
     if isinstance(shape, DiscCam):
-        found._swing = shape.curve().swing()
+        found._swing = shape.swing()
     return found
 
 

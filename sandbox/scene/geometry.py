@@ -76,14 +76,11 @@ def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
 
 def true_curves(shape: Polygon | Polyline) -> list[Array]:
     """Nodes of the curves that contacts follow; of a polygon the material lies to their left."""
-    rings = [shape.points, *(shape.holes if isinstance(shape, Polygon) else ())]
-    found = []
-    for k, (written, ring) in enumerate(zip(shape.nodes, rings, strict=True)):
-        nodes = np.array(written)
-        if isinstance(shape, Polygon) and (signed_area(ring) > 0) == (k > 0):
-            nodes = reversed_nodes(nodes)
-        found.append(nodes)
-    return found
+    curves = [np.array(nodes) for nodes in shape.nodes]
+    if isinstance(shape, Polyline):
+        return curves
+    return [reversed_nodes(nodes) if (signed_area(ring) > 0) == (k > 0) else nodes for
+            k, (nodes, ring) in enumerate(zip(curves, (shape.points, *shape.holes), strict=True))]
 
 
 def count_solids(body: Body) -> int:

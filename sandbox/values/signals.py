@@ -163,8 +163,6 @@ RateSignal = Annotated[_Union, OverTime("speed")]
 FlowSignal = Annotated[_Union, OverTime("flow")]
 PressureSignal = Annotated[_Union, OverTime("pressure")]
 ShareSignal = Annotated[_Union, OverTime("ratio")]
-StiffnessSignal = Annotated[_Union, OverTime()]
-"""Its dimension depends on the spring, linear or rotary."""
 
 
 def values(signal: AnySignal, t: Array, tables: Tables = NONE, *, finite: bool = True) -> Array:

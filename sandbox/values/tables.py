@@ -39,54 +39,38 @@ def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> No
                   "bad-outline", allowed="each point once; a closed curve closes automatically")
 
 
-def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
-    """Pieces [n - 1, 4] of the natural spline through values [n] at increasing places [n].
+class Spline:
+    """The cubic spline through values [n] at increasing places [n].
 
-    With ``bent`` the third derivative does not jump at the place next to an end.
+    It is ``natural``; ``bent``, if the third derivative does not jump at the place next to an end;
+    or ``periodic``, if the last value is the first.
     """
-    step, n = np.diff(at), len(at)
-    chord = np.diff(values) / step
-    matrix, i = np.eye(n), np.arange(1, n - 1)
-    matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
-    matrix[i, i] = 2 * (step[:-1] + step[1:])
-    if bent and n > 2:
-        matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
-        matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
-    if bent and n == 3:     # both end conditions are the same: a parabola
-        matrix[0, :] = 1, -1, 0
-    bend = np.linalg.solve(matrix, np.concatenate([[0.0], 6 * np.diff(chord), [0.0]]))
-    slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
-    return np.stack([values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
 
+    def __init__(self, at: Array, values: Array, ends: str) -> None:
+        self.at, step, n = at, np.diff(at), len(at)
+        chord = np.diff(values) / step
+        matrix, i = np.eye(n), np.arange(1, n - 1)
+        matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
+        matrix[i, i] = 2 * (step[:-1] + step[1:])
+        right = np.concatenate([[0.0], 6 * np.diff(chord), [0.0]])
+        if ends == "periodic":  # in its first row M is the same at both ends
+            matrix[0, -1], right[-1] = -1.0, 6 * (chord[0] - chord[-1])
+            matrix[-1, [1, -2, -1]] = step[0], step[-1], 2 * (step[0] + step[-1])
+        elif ends == "bent" and n > 2:
+            matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
+            matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
+            if n == 3:  # both end conditions are the same: a parabola
+                matrix[0, :] = 1, -1, 0
+        bend = np.linalg.solve(matrix, right)
+        slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
+        self.pieces = np.stack(
+            [values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
 
-class PeriodicSpline:
-    """The spline through three or more values at increasing angles [rad], within one period."""
-
-    def __init__(self, angles: Array, values: Array, period: float = math.tau) -> None:
-        self.angles, self._period = angles, period  # of its values [rad], [n]
-        step = np.append(angles[1:], angles[0] + period) - angles
-        chord = (np.roll(values, -1) - values) / step
-        i, before = np.arange(len(angles)), np.roll(step, 1)
-        matrix = np.diag(2 * (before + step))
-        np.add.at(matrix, (i, i - 1), before)
-        np.add.at(matrix, (i, (i + 1) % len(i)), step)
-        bend = np.linalg.solve(matrix, 6 * (chord - np.roll(chord, 1)))
-        after = np.roll(bend, -1)
-        self._terms = np.stack([
-            values, chord - step * (2 * bend + after) / 6, bend, (after - bend) / step])
-
-    def __call__(self, angle: Array) -> tuple[Array, Array, Array]:
-        """Value and first and second derivative at angles [m] rad, [m] each."""
-        turned = (angle - self.angles[0]) % self._period + self.angles[0]
-        k = np.searchsorted(self.angles, turned, side="right") - 1
-        t, (value, slope, bend, jerk) = turned - self.angles[k], self._terms[:, k]
-        return (value + t * (slope + t * (bend / 2 + t * jerk / 6)),
-                slope + t * (bend + t * jerk / 2), bend + t * jerk)
-
-    @property
-    def pieces(self) -> Array:
-        """As of :func:`natural`, the last one up to the first place again, [n, 4]."""
-        return np.stack(list(self._terms / [[1], [1], [2], [6]]), axis=1)
+    def __call__(self, x: Array) -> tuple[Array, Array, Array]:
+        """Value, first and second derivative at places [m] between its ends, [m] each."""
+        k = np.clip(np.searchsorted(self.at, x, side="right") - 1, 0, len(self.pieces) - 1)
+        t, (y, b, c, d) = x - self.at[k], self.pieces[k].T
+        return y + t * (b + t * (c + t * d)), b + t * (2 * c + t * 3 * d), 2 * c + t * 6 * d
 
 
 class NamedTable(Spec):
@@ -152,10 +136,8 @@ class Function:
             if table.between == "linear":
                 slope = np.diff(value) / np.diff(at)
                 inner = np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
-            elif self.repeats:
-                inner = PeriodicSpline(at[:-1], value[:-1], self.period).pieces
             else:
-                inner = natural(at, value)
+                inner = Spline(at, value, "periodic" if self.repeats else "natural").pieces
         step = at[-1] - at[-2]
         end = inner[-1, 1] + step * (2 * inner[-1, 2] + step * 3 * inner[-1, 3])
         on = 1.0 if table.beyond == "extend" else 0.0

@@ -18,7 +18,6 @@ radius b:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Literal
@@ -30,7 +29,7 @@ from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
 from sandbox.values.numbers import Angle, Coordinate, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.tables import PeriodicSpline
+from sandbox.values.tables import Spline
 from sandbox.wording import WrongValueError, refuse_if
 
 CHECKED = 3600  # angles at which undercut is checked, besides 8 between neighbours in the table
@@ -39,95 +38,6 @@ FINE = 1e-9  # maximum distance of the outline's spans from the envelope [m]
 SWINGS = 0.02
 """Share of the range of a lift by which a smooth peak between two entries may exceed them."""
 LARGEST = 1e6  # the largest radius that is reported [m]
-
-
-@dataclass(frozen=True)
-class CamCurve:
-    """A cam's outline as a curve over its turn."""
-
-    lift: PeriodicSpline  # over the cam's turn [rad], [m]
-    base: float  # radius where the lift is 0 [m]
-    roller: float  # radius of the follower's roller [m]; 0 for a flat one
-    towards: float  # from the centre to the follower, in the body's frame at its angle 0 [rad]
-    sense: int  # 1 for a cam that turns counter-clockwise, else -1
-
-    @cached_property
-    def checked(self) -> Array:
-        """Turns that lie close enough to see every bend of the lift [rad]."""
-        angles = self.lift.angles
-        ends = np.append(angles, angles[0] + math.tau)
-        between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
-        return np.unique(np.concatenate([
-            between, angles[0] + math.tau * np.arange(CHECKED) / CHECKED]))
-
-    def nodes(self, turn: Array) -> Array:
-        """Contact points with the follower at turns [rad], counter-clockwise, as nodes [n, 4]."""
-        s, s1, s2 = self.lift(turn)
-        s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
-        psi = self.towards - self.sense * turn
-        n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
-        t = np.stack([-n[:, 1], n[:, 0]], axis=1)
-        if not self.roller:
-            point, out = (self.base + s)[:, None] * n + s1[:, None] * t, n
-            bend = 1 / (self.base + s + s2)
-        else:
-            r = self.base + self.roller + s
-            speed = np.hypot(r, s1)
-            out = (r[:, None] * n - s1[:, None] * t) / speed[:, None]
-            point = r[:, None] * n - self.roller * out
-            pitch = (r**2 + 2 * s1**2 - r * s2) / speed**3
-            bend = pitch / (1 - self.roller * pitch)
-        return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
-
-    def radius(self, turn: Array) -> Array:
-        """The margin against undercut [m], negative where it occurs; large where hollow."""
-        s, s1, s2 = self.lift(turn)
-        if not self.roller:
-            return np.asarray(self.base + s + s2)
-        r = self.base + self.roller + s
-        bend = (r**2 + 2 * s1**2 - r * s2) / (r**2 + s1**2) ** 1.5
-        return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
-
-    def swing(self) -> tuple[float, float, float] | None:
-        """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
-        lift, entries = self.lift(self.checked)[0], self.lift.pieces[:, 0]
-        beyond = np.maximum(lift - entries.max(), entries.min() - lift)
-        k = int(beyond.argmax())
-        if beyond[k] <= SWINGS * np.ptp(entries):
-            return None
-        return float(lift[k]), float(beyond[k]), float(self.checked[k])
-
-
-def cam_nodes(curve: CamCurve) -> Array:
-    """Nodes of the outline [n, 4], counter-clockwise, one at every angle of the lift's table."""
-    lowest = float(curve.lift(curve.checked)[0].min())
-    refuse_if(curve.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
-              f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
-              f"above {-lowest:.6g} m, or more entries where the curve swings between them")
-    radius = curve.radius(curve.checked)
-    if radius.min() <= 0:
-        raise _undercut(curve, math.degrees(float(curve.checked[int(radius.argmin())])))
-    first = curve.lift.angles[0]
-    turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
-                       first + math.tau * np.arange(24) / 24)
-    turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
-    turns *= -curve.sense
-    return nodes_along(lambda at: curve.nodes(-curve.sense * at), np.sort(turns), FINE)[:-1]
-
-
-def _undercut(curve: CamCurve, turn: float) -> WrongValueError:
-    low, high = curve.base, LARGEST
-    while high - low > SPARE * low:
-        middle = math.sqrt(low * high)
-        fits = replace(curve, base=middle).radius(curve.checked).min() > 0
-        low, high = (low, middle) if fits else (middle, high)
-    digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
-    what = f"a roller of {curve.roller:.6g} m cannot reach it" if curve.roller else \
-        "a flat follower bridges it"
-    return WrongValueError(
-        "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
-        allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m"
-        + (", or a smaller roller" if curve.roller else ""))
 
 
 class DiscCam(Spec):
@@ -170,8 +80,89 @@ class DiscCam(Spec):
                   "deg; plain numbers are radians", "bad-outline", allowed="less than a whole "
                   "turn, without the first entry again at its end; '15 deg' for degrees")
 
-    def curve(self) -> CamCurve:
-        """The outline about the cam's centre."""
-        angles, lifts = np.array(self.lift).T
-        return CamCurve(PeriodicSpline(angles, lifts), self.base, self.roller or 0.0,
-                        self.towards, 1 if self.turns == "counterclockwise" else -1)
+    @cached_property
+    def rise(self) -> Spline:
+        """The lift over the cam's turn [rad], periodic, [m]."""
+        begin, height = self.lift[0]
+        angles, lifts = np.array([*self.lift, (begin + math.tau, height)]).T
+        return Spline(angles, lifts, "periodic")
+
+    @property
+    def sense(self) -> int:
+        """1 for a cam that turns counter-clockwise, else -1."""
+        return 1 if self.turns == "counterclockwise" else -1
+
+    @cached_property
+    def checked(self) -> Array:
+        """Turns that lie close enough to see every bend of the lift [rad]."""
+        ends = self.rise.at
+        between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
+        return np.unique(np.concatenate([
+            between, ends[0] + math.tau * np.arange(CHECKED) / CHECKED]))
+
+    def contacts(self, turn: Array) -> Array:
+        """Contact points with the follower at turns [rad], counter-clockwise, as nodes [n, 4]."""
+        s, s1, s2 = self.rise(turn)
+        s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
+        psi = self.towards - self.sense * turn
+        n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
+        t = np.stack([-n[:, 1], n[:, 0]], axis=1)
+        if self.roller is None:
+            point, out = (self.base + s)[:, None] * n + s1[:, None] * t, n
+            bend = 1 / (self.base + s + s2)
+        else:
+            r = self.base + self.roller + s
+            speed = np.hypot(r, s1)
+            out = (r[:, None] * n - s1[:, None] * t) / speed[:, None]
+            point = r[:, None] * n - self.roller * out
+            pitch = (r**2 + 2 * s1**2 - r * s2) / speed**3
+            bend = pitch / (1 - self.roller * pitch)
+        return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
+
+    def radii(self) -> Array:
+        """Radii of curvature at the turns :attr:`checked` [m], negative where it is undercut.
+
+        Where the outline is hollow, its radius is below -r for a roller of radius r: no undercut.
+        """
+        with np.errstate(divide="ignore"):
+            radius = np.asarray(1 / self.contacts(self.checked)[:, 3])
+        return radius if self.roller is None else np.where(radius < -self.roller, LARGEST, radius)
+
+    def swing(self) -> tuple[float, float, float] | None:
+        """Lift [m], excess [m] and turn [rad] of a peak beyond all entries, if there is one."""
+        lift, entries = self.rise(self.checked)[0], self.rise.pieces[:, 0]
+        beyond = np.maximum(lift - entries.max(), entries.min() - lift)
+        k = int(beyond.argmax())
+        if beyond[k] <= SWINGS * np.ptp(entries):
+            return None
+        return float(lift[k]), float(beyond[k]), float(self.checked[k])
+
+    def curve(self) -> Array:
+        """Nodes of the outline about the cam's centre [n, 4], counter-clockwise.
+
+        One lies at every angle of the lift's table.
+        """
+        lowest = float(self.rise(self.checked)[0].min())
+        refuse_if(self.base + lowest <= 0, "the curve through the entries of 'lift' goes down to "
+                  f"{lowest:.6g} m, below the cam's centre", "bad-outline", allowed="a base radius "
+                  f"above {-lowest:.6g} m, or more entries where the curve swings between them")
+        radii = self.radii()
+        if radii.min() <= 0:
+            raise self._undercut(math.degrees(float(self.checked[int(radii.argmin())])))
+        turns = np.union1d(self.rise.at, self.rise.at[0] + math.tau * np.arange(24) / 24)
+        turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
+        return nodes_along(lambda at: self.contacts(-self.sense * at), np.sort(-self.sense * turns),
+                           FINE)[:-1]
+
+    def _undercut(self, turn: float) -> WrongValueError:
+        low, high = self.base, LARGEST
+        while high - low > SPARE * low:
+            middle = math.sqrt(low * high)
+            fits = self.model_copy(update={"base": middle}).radii().min() > 0
+            low, high = (low, middle) if fits else (middle, high)
+        digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
+        what, more = ("a flat follower bridges it", "") if self.roller is None else (
+            f"a roller of {self.roller:.6g} m cannot reach it", ", or a smaller roller")
+        return WrongValueError(
+            "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
+            allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m{more}")

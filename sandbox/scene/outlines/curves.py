@@ -23,7 +23,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.outlines.rings import Ring
 from sandbox.values.numbers import Angle, Distance, Flag, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.tables import PeriodicSpline, check_distinct, natural
+from sandbox.values.tables import Spline, check_distinct
 from sandbox.wording import refuse_if
 
 Node = tuple[float, float, float, float]
@@ -119,31 +119,28 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...]) -> Array:
     end.
     """
     if closed and not corners:
-        length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
-        at = np.concatenate([[0.0], np.cumsum(length)[:-1]])
-        _, first, second = (np.stack(one, axis=1) for one in zip(
-            *(PeriodicSpline(at, axis, float(length.sum()))(at) for axis in points.T), strict=True))
-        return _nodes(points, first, second)
+        return _interpolated(np.concatenate([points, points[:1]]), "periodic")[:-1]
     if closed:
         points = np.roll(points, -corners[0], axis=0)
         points = np.concatenate([points, points[:1]])
         corners = tuple(k - corners[0] for k in corners[1:])
     ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
-    return np.concatenate([_between(points[i:j + 1]) for i, j in pairwise(ends)])
+    return np.concatenate([_interpolated(points[i:j + 1], "bent") for i, j in pairwise(ends)])
 
 
-def _between(points: Array) -> Array:
-    at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    pieces = np.stack([natural(at, axis, bent=True) for axis in points.T])     # [2, n - 1, 4]
-    step = at[-1] - at[-2]
-    last = pieces[:, -1]
-    end = last[:, 1] + step * (2 * last[:, 2] + step * 3 * last[:, 3])
-    first = np.concatenate([pieces[:, :, 1].T, end[None]])
-    second = np.concatenate([pieces[:, :, 2].T, (last[:, 2] + step * 3 * last[:, 3])[None]]) * 2
-    return _nodes(points, first, second)
+def _interpolated(points: Array, ends: str) -> Array:
+    at = _chords(points)
+    _, first, second = np.stack([Spline(at, axis, ends)(at) for axis in points.T], axis=2)
+    return nodes_of(points, first, second)
 
 
-def _nodes(points: Array, first: Array, second: Array) -> Array:
+def _chords(points: Array) -> Array:
+    """Lengths of the chords of points [n, 2] up to each, [n]."""
+    return np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+
+
+def nodes_of(points: Array, first: Array, second: Array) -> Array:
+    """Nodes at points of a curve with these derivatives, [n, 2] each."""
     return np.column_stack([points, np.arctan2(first[:, 1], first[:, 0]), curvature(first, second)])
 
 
@@ -276,12 +273,12 @@ def path_through(points: tuple[tuple[float, float], ...], *, closed: bool) -> Pa
     from scipy.interpolate import make_interp_spline
 
     ring = np.array([*points, points[0]] if closed else points)
-    at = np.append(0.0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T)))
     degree = 5 if closed or len(points) > 5 else 3 if len(points) > 3 else 2
+    at = _chords(ring)
     spline = make_interp_spline(at, ring, degree, bc_type="periodic" if closed else None)
     first, second = (spline(at[:len(points)], order) for order in (1, 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Path(_nodes(np.array(points), first, second), closed)
+        return Path(nodes_of(np.array(points), first, second), closed)
 
 
 class SmoothCurve(Spec):

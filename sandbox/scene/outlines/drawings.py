@@ -20,11 +20,11 @@ from pydantic import Field
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import (
-    curvature,
     flattened,
     is_smooth,
     joined,
     nodes_along,
+    nodes_of,
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
@@ -168,23 +168,20 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
 
     def at(control: Array, t: Array) -> Array:
         n = len(control) - 1
-        weights = np.stack([math.comb(n, k) * t**k * (1 - t) ** (n - k) for k in range(n + 1)])
-        return np.asarray((weights[:, :, None] * control[:, None]).sum(axis=0))
+        weights = [math.comb(n, k) * t**k * (1 - t) ** (n - k) for k in range(n + 1)]
+        return np.asarray(np.transpose(weights) @ control) if weights else np.zeros((len(t), 2))
 
     def nodes(t: Array) -> Array:
-        place, along, bend = at(points, t), at(first, t), np.zeros_like(t)
         # where the speed is 0, because control points coincide, take what is next to it
-        still = np.hypot(*along.T) < 1e-9 * np.hypot(*first.T).max()
-        t = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
-        along = degree * at(first, t)
-        if degree > 1:
-            bend = curvature(along, degree * (degree - 1) * at(second, t))
-        return np.column_stack([place, np.arctan2(along[:, 1], along[:, 0]), bend])
+        still = np.hypot(*at(first, t).T) < 1e-9 * np.hypot(*first.T).max()
+        beside = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
+        return nodes_of(at(points, t), degree * at(first, beside),
+                        degree * (degree - 1) * at(second, beside))
 
     return nodes
 
 
-def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
+def _all_nodes(drawn: Iterable[list[Array]]) -> list[Array]:
     """Nodes [k, 4] of curves, each of consecutive Bézier curves by their 2 to 4 control points."""
     curves: list[Array] = []
     for pieces in drawn:
@@ -227,13 +224,11 @@ def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
                 count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
                 pieces = list(segment.as_cubic_curves(count))
             for piece in pieces:
-                inner = (getattr(piece, name, None) for name in ("control", "control1", "control2"))
-                points = [piece.start, *(each for each in inner if each is not None), piece.end]
-                found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
+                found.append((np.array([(p.x, p.y) for p in piece]) - box[1:])
                              * (1 / box[0], -1 / box[0]) + 0.0)
         return found
 
-    return _nodes_of(map(control_points, paths)), PIXEL * box[0]
+    return _all_nodes(map(control_points, paths)), PIXEL * box[0]
 
 
 def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
@@ -250,22 +245,20 @@ def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
         raise WrongValueError(CODE, f"it has no layer {quoted(layer)}", allowed=listed(layers),
                               hint=near(layer, layers))
     chosen = [entity for entity in space if layer is None or entity.dxf.layer == layer]
-    for entity in chosen:
-        if entity.dxftype() == "INSERT":
-            raise WrongValueError(CODE, f"it holds the block {quoted(entity.dxf.name)}, which is "
-                                  "not followed", allowed="blocks exploded into lines and curves")
+    for block in (entity for entity in chosen if entity.dxftype() == "INSERT"):
+        refuse_if(block, f"it holds the block {quoted(block.dxf.name)}, which is not followed",
+                  CODE, allowed="blocks exploded into lines and curves")
 
     def control_points(entity: Any) -> list[Array]:
         drawn = path.make_path(entity, segments=ARCS)
         pieces, at = [], drawn.start
         for command in drawn.commands():
-            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                       if hasattr(command, name)]
-            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-            at = command.end
+            end, *control = command
+            pieces.append(np.array([(p.x, p.y) for p in (at, *control, end)]))
+            at = end
         return pieces
 
-    return _nodes_of(control_points(each) for each in chosen if each.dxftype() in CURVES), own
+    return _all_nodes(control_points(each) for each in chosen if each.dxftype() in CURVES), own
 
 
 READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
