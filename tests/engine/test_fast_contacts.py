@@ -38,9 +38,13 @@ def test_a_fast_disc_does_not_pass_a_thin_plate(speed, restitution):
 
 @pytest.mark.parametrize("restitution", [0, 0.5])
 def test_an_oblique_impact_turns_the_disc_by_friction(restitution):
-    """Coulomb's impulse is mu J while it slides: at 0.1 the disc does not come to roll."""
-    found = run(PLATE, disc(at=[-0.12, 0.0955], velocity=[20, -20]), friction=0.1,
-                restitution=restitution)
+    """Coulomb's impulse is mu J while it slides: at 0.1 the disc does not come to roll.
+
+    A pair has the geometric means of its materials' coefficients.
+    """
+    found = run(PLATE | {"material": "n"}, disc(at=[-0.12, 0.0955], velocity=[20, -20]), materials={
+        "m": {"friction": 0.05, "restitution": restitution / 1.5},
+        "n": {"friction": 0.2, "restitution": restitution * 1.5}})
     normal = (1 + restitution) * 20 * MASS
     inertia = MASS * RADIUS**2 / 2
     assert found["disc.vx"][-1] == pytest.approx(20 - 0.1 * normal / MASS, abs=1e-8)
