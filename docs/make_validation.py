@@ -1,11 +1,13 @@
 """Write the page "Validation": ``python docs/make_validation.py [FILE]``.
 
 The site build calls :func:`write`. All cases of ``tests/verification`` run, in as many processes as
-there are processors; the page is not kept in the repository.
+there are processors, unless the variable ``DRAFT`` is set, which leaves out their results. The page
+is not kept in the repository.
 """
 
 from __future__ import annotations
 
+import os
 import platform
 import sys
 from collections.abc import Sequence
@@ -47,28 +49,32 @@ def cases(module: str) -> list[Case]:
 
 
 def section(module: str) -> tuple[str, list[str]]:
-    """Heading and lines of the cases of a module, all of which run."""
+    """Heading and lines of the cases of a module, all of which run if this is no draft."""
     about = import_module(f"tests.verification.{module}").__doc__ or ""
     title, _, more = about.strip().split("\n")[0].rstrip(".").partition(":")
     lines = [f"{more.strip()[:1].upper()}{more.strip()[1:]}." if more else ""]
     for case in cases(module):
-        checks = list(case.run())
-        rows, shares = [], []
-        for check in checks:
-            expected, found, allowed = check.worst
-            error = abs(found - expected)
-            shares.append(error / allowed if allowed else float(error > 0))
-            cells = (check.what, check.unit, f"{expected:.6g}", f"{found:.6g}", f"{error:.1e}",
-                     f"{allowed:.1e}", check.why)
-            rows.append(" | ".join(cell.replace("|", "\\|") for cell in cells))
-        verdict = "Passed" if all(each.ok for each in checks) else "**FAILED**"
         lines += ["", f"### {case.title}", "", *([f"{case.equation}  "] if case.equation else []),
                   f"Scene: {case.scene}  ",
                   *([f"Source: {case.source}  "] if case.source else []),
-                  f"{verdict}, the largest error by its tolerance: {100 * max(shares):.2g} %", "",
-                  "| quantity | unit | reference | measured | error | tolerance | why |",
-                  "|---|---|---|---|---|---|---|", *(f"| {row} |" for row in rows)]
+                  *([] if "DRAFT" in os.environ else results(case))]
     return title, lines
+
+
+def results(case: Case) -> list[str]:
+    """The verdict on a case, which runs, and a table of its quantities."""
+    checks, rows, shares = list(case.run()), [], []
+    for check in checks:
+        expected, found, allowed = check.worst
+        error = abs(found - expected)
+        shares.append(error / allowed if allowed else float(error > 0))
+        cells = (check.what, check.unit, f"{expected:.6g}", f"{found:.6g}", f"{error:.1e}",
+                 f"{allowed:.1e}", check.why)
+        rows.append(" | ".join(cell.replace("|", "\\|") for cell in cells))
+    verdict = "Passed" if all(each.ok for each in checks) else "**FAILED**"
+    return [f"{verdict}, the largest error by its tolerance: {100 * max(shares):.2g} %", "",
+            "| quantity | unit | reference | measured | error | tolerance | why |",
+            "|---|---|---|---|---|---|---|", *(f"| {row} |" for row in rows)]
 
 
 def page(modules: Sequence[str] = MODULES) -> str:
