@@ -43,7 +43,7 @@ PITCH = 0.105
 WANTED, FINE = (0.05, 1.0), (1e-3, 1e-3)
 """Errors of the free pose [deg] and of the contact forces [%] that are asked for, and small ones
 that a study of a hand may want."""
-ROUNDS = 5
+ROUNDS = 12
 """In which all points are measured, one after the other, so that all see the same noise."""
 PICTURE = "work_precision"
 ENOUGH = 1e-3
