@@ -125,8 +125,8 @@ def _tendons(evidence: Evidence, worst: Worst) -> None:
             """The damper alone does not pull a slack tendon."""
             return np.where(slack & (s <= ROUNDING), 0.0, np.maximum(k * s + c * v, 0.0))
 
-        follow(worst, name, tension, law, states_of(
-            evidence.h, stretch[i], [v[i] for v in rates], turning=False), holds[i])
+        follow(worst, name, tension, law, states_of(  # the mean place is of springs alone
+            evidence.h, stretch[i], [v[i] for v in rates], turning=False)[::2], holds[i])
 
 
 _rotary_springs = Check(

@@ -218,6 +218,17 @@ def test_a_rigid_servo_follows_its_target() -> None:
 # -- with a stiffness ------------------------------------------------------------------
 
 
+def test_a_servo_of_four_steps_a_period_keeps_its_swing() -> None:
+    """x(n) = Re(A z^n) with z + 1/z - 2 = -h^2 k / (4 I) (z + 2 + 1/z), so |z| = 1."""
+    step, squared = 1e-3, 3.0
+    run = servo_run({"value": 0.5, "torque": 1e3, "stiffness": squared * INERTIA / step**2},
+                    step=step, duration=0.05)
+    z = np.roots([1 + squared / 4, squared / 2 - 2, 1 + squared / 4])[0]
+    later = (z ** np.arange(len(run))).view(float).reshape(-1, 2)
+    swing = run["p.angle"] - 0.5
+    assert np.abs(later @ np.linalg.lstsq(later, swing, rcond=None)[0] - swing).max() < 1e-9
+
+
 def test_a_saturating_controller_is_that_of_an_ode() -> None:
     """I q'' = clip(k (u - q) - c q', T): second order.
 
