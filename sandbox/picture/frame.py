@@ -198,8 +198,9 @@ class Picture:
         """Place the meters below or beside the motion, where it is larger."""
         (width, height), panel, given = self.size, self.panel, self.view.width
         high = height - self.head - foot
-        if self.small:
-            panel.limit(high - round(0.75 * height))
+        if self.small:  # the mechanism comes first
+            wide, tall = self.box.size
+            panel.limit(high - round(min(0.75 * height, 1.1 * width * tall / max(wide, 1e-9))))
 
         def camera_on(wide: float, tall: float) -> Camera:
             seen = given if given is None else given * max(

@@ -190,8 +190,9 @@ class Frames:
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
-        self._stage, self._panel = stage, panel = (
-            pygame.Rect(picture.stage[:2], picture.stage.size), pygame.Rect(picture.panel.rect))
+        self._stage = stage = pygame.Rect(picture.stage[:2], picture.stage.size)
+        self._meters = [meter.cell.inflate([2 * picture.panel.margin] * 2).clip((0, 0, *self.size))
+                        for meter in picture.panel.meters]
         self._written: list[pygame.Rect] = []
         self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
@@ -201,7 +202,8 @@ class Frames:
         self.instant.paint(painter, still=True)
         painter.large.set_clip(None)
         picture.surround(painter, self.instant)
-        self._panel_texts = [text for text in painter.texts if panel.collidepoint(text[1])]
+        self._meter_texts = [text for text in painter.texts
+                             if any(rect.collidepoint(text[1]) for rect in self._meters)]
         painter.scale_down([pygame.Rect(0, 0, width, height)])
         painter.write_texts()
         self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
@@ -228,11 +230,11 @@ class Frames:
             picture.write_labels(painter, instant)
             self._written = painter.write_texts()
             self._key = key
-        if picture.panel and self._panel.width and self._panel.height:  # cursors and values
-            self._restore([self._panel])
+        if self._meters:  # cursors and values
+            self._restore(self._meters)
             picture.panel.draw(painter, [t])
-            painter.scale_down([self._panel])
-            painter.texts += self._panel_texts
+            painter.scale_down(self._meters)
+            painter.texts += self._meter_texts
             painter.write_texts()
         for rect in self._stamped:
             painter.small.blit(self._small_still, rect, rect)

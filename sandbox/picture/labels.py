@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from sandbox.picture.typesetter import Typesetter  # loads pygame
 
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
-CELL = 5  # side of the cells whose ink is measured [pixels of the finished picture]
+CELL = 5.0  # side of the cells whose ink is measured [points]
 TURNED, OFF, INK, HIDDEN, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, black cell, part of an arrow, label,
 outside."""
 PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])  # places along an arrow that labels leave visible
-SMALL = 500  # pictures that are narrower have fewer numbers [pixels]
+MOST, FEW = 24, 6  # numbers in a picture, in a small or crowded one
+SMALL, CROWDED = 500, 48  # width of a small picture [pixels], texts of a crowded one
 
 
 @dataclass
@@ -45,17 +46,18 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
                  stage: Rectangle, type_: Typesetter, letters: int, *, speed: float,
                  samples: Integers | None = None) -> None:
     """Write into items the sides of labels in ``stage``, and when they are shown."""
-    time = out.time
-    instant = Instant(out, camera.enlarged(1 / CELL), point / CELL,
-                      (size[0] // CELL + 1, size[1] // CELL + 1), small=True)
+    time, cell = out.time, CELL * point
+    instant = Instant(out, camera.enlarged(1 / cell), 1 / CELL,
+                      (int(size[0] / cell) + 1, int(size[1] / cell) + 1), small=True)
     some = np.unique(np.linspace(0, len(time) - 1, 48).astype(int)) if samples is None \
         else samples
-    seen, covered = _look(instant, some, type_)
+    seen, covered = _look(instant, some, type_, cell)
     placed = np.full((0, len(some), 4), np.nan)
     arrows = np.concatenate([np.zeros((len(some), 0, 2)), *(
         one.rows[:, None, :2] - PARTS[:, None] * one.rows[:, None, 2:]
         for one in seen if one.size > 0)], axis=1)
-    numbers, maximum = 0, 6 if size[0] < SMALL else 24
+    count = sum(np.isfinite(one.rows[:, 0]).mean() for one in seen)
+    numbers, maximum = 0, FEW if size[0] < SMALL or count > CROWDED else MOST
     for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
         is_number = "value" in one.item or one.item["k"] != "text"
         if is_number and numbers >= maximum:
@@ -64,12 +66,12 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         middles = np.array([one.rows[:, :2] + offset(side, box, one.item.get("clear", 0.0), point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
-        side = int(np.argmin(_costs(one, boxes, placed, arrows, covered, stage)))
         present = np.isfinite(one.rows[:, 0])
-        there = present & ~_meet(boxes[side][None], placed).any(axis=0)
-        there &= ~_outside(boxes[side], stage)
-        if there.sum() < 0.25 * present.sum():  # it has too little room
-            continue
+        free = present & ~_outside(boxes, stage) & ~_meet(boxes[:, None], placed).any(axis=1)
+        cost = _costs(one, boxes, placed, arrows, covered, stage, cell)
+        cost[free.sum(axis=1) < 0.25 * present.sum()] = np.inf  # a side with too little room
+        side = int(np.argmin(cost))
+        there = free[side] & np.isfinite(cost[side])
         if samples is None:
             there = steady(there, time[some], HOLD * speed)
         if not there.any():
@@ -84,7 +86,8 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
             one.item.setdefault("labels", {})[one.key] = [side, shown]
 
 
-def _look(instant: Instant, some: Integers, type_: Typesetter) -> tuple[list[_Seen], Array]:
+def _look(instant: Instant, some: Integers, type_: Typesetter,
+          cell: float) -> tuple[list[_Seen], Array]:
     """Each label in each sample, and sums of the costs of cells."""
     from sandbox.picture.frames import Pixels  # loads pygame
 
@@ -98,16 +101,16 @@ def _look(instant: Instant, some: Integers, type_: Typesetter) -> tuple[list[_Se
                 label.item, label.key, np.full((len(some), 4), np.nan)))
             one.words = max(one.words, label.words, key=len)
             one.size += float(np.hypot(*label.away))
-            one.rows[row] = CELL * np.array([*label.point, *label.away])
+            one.rows[row] = cell * np.array([*label.point, *label.away])
         costs.append(INK * (1 - painter.grey(instant) / 255))
     covered = np.pad(costs, ((0, 0), (1, 0), (1, 0)))
     return list(seen.values()), covered.cumsum(axis=1).cumsum(axis=2)
 
 
 def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Array,
-           stage: Rectangle) -> Array:
+           stage: Rectangle, cell: float) -> Array:
     """What each side costs in all samples together."""
-    cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
+    cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // cell).astype(int)
     x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
     x0, x1 = (np.clip(v, 0, covered.shape[2] - 1) for v in (x0, x1 + 1))
     y0, y1 = (np.clip(v, 0, covered.shape[1] - 1) for v in (y0, y1 + 1))

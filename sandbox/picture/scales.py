@@ -18,7 +18,7 @@ from sandbox.picture.listing import RunData
 from sandbox.samples.cables import piece_tensions
 from sandbox.scene.settings import View
 
-OFTEN = 0.95  # share of the active time in which no arrow exceeds the reference
+OFTEN = 0.9  # share of the active time in which no arrow exceeds the reference
 ENDING = 0.1  # last share of the run whose median counts, too: the end is looked at longest
 REFERENCE, LONGEST = 0.085, 1.5
 """Reference arrow [picture widths]; longer arrows are cut at this multiple."""

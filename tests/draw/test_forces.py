@@ -25,7 +25,7 @@ def test_scales_leave_out_blows_and_the_time_in_which_nothing_acts():
     size = np.full(1000, 2.0)
     size[500:540] = 1e4
     assert typical(size, TIME) == 2.0
-    size[500:560] = 1e4  # more than one picture of twenty shows it
+    size[500:610] = 1e4  # more than one picture of ten shows it
     assert typical(size, TIME) == 1e4
     size = np.zeros(1000)
     size[100:110] = 7.0
