@@ -1,11 +1,10 @@
-"""Frames of a film by pygame: painted larger and scaled down, only where they changed."""
+"""Frames of a film by pygame: painted larger and scaled down, unless they look the same."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,8 +18,6 @@ from sandbox.picture.typesetter import Typesetter
 
 if TYPE_CHECKING:
     from sandbox.picture.frame import Picture
-
-CELL = 24  # side of a cell [pixels of the finished picture]
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -37,7 +34,6 @@ class Pixels:
         self.size, self.enlarge, self.type = size, enlarge, typesetter
         self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
         self.small = new_surface(*size)
-        self.drawn: list[pygame.Rect] = []  # boxes of all that was painted on the enlarged picture
         self.texts: list[tuple[pygame.Surface, XY]] = []  # with their corners, to be written
         self._leaders: list[tuple[Colour, XY, XY]] = []
 
@@ -64,37 +60,35 @@ class Pixels:
                 self._hatch(part, edge, hatch)
 
     def _polygon(self, ink: Colour, corners: Sequence[XY]) -> None:
-        self.drawn.append(pygame.draw.polygon(self.large, ink, corners))
+        pygame.draw.polygon(self.large, ink, corners)
 
     def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
-        self.drawn.append(self.large.blit(*_hatching(
-            tuple((x, y) for x, y in corners), edge, pitch, self.large.get_rect().size)))
+        self.large.blit(*_hatching(tuple((x, y) for x, y in corners), edge, pitch,
+                                   self.large.get_rect().size))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """Paint connected lines."""
         if width > 2.5 and (len(path) == 2 or (2 < len(path) < 60 and not _turns_back(path))):
             self._polygon(ink, ribbon(path, width))
         else:
-            self.drawn.append(pygame.draw.lines(self.large, ink, False, path, max(1, round(width))))
+            pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""
         if fill is not None:
             self._polygon(fill, corners)
         if edge is not None and width:
-            self.drawn.append(pygame.draw.lines(
-                self.large, edge, True, corners, max(1, round(width))))
+            pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
 
     def disc(self, centre: XY, radius: float, fill: Ink, edge: Ink, width: float, *,
              hatch: float = 0.0) -> None:
         """Paint a circle with an outline about its line."""
         if edge is not None and width:
-            self.drawn.append(pygame.draw.circle(
-                self.large, edge, centre, radius + width / 2,
-                0 if fill is not None else max(1, round(width))))
+            pygame.draw.circle(self.large, edge, centre, radius + width / 2,
+                               0 if fill is not None else max(1, round(width)))
         if fill is not None:
             inside = radius - width / 2 if edge is not None else radius
-            self.drawn.append(pygame.draw.circle(self.large, fill, centre, max(1.0, inside)))
+            pygame.draw.circle(self.large, fill, centre, max(1.0, inside))
         if hatch and edge is not None:
             angle = np.arange(64) * math.tau / 64
             ring = np.column_stack((np.cos(angle), np.sin(angle)))
@@ -163,23 +157,6 @@ def _turns_back(path: Sequence[XY]) -> bool:
     return bool(np.abs(np.arctan2(turn, along)).sum() > 4.5)
 
 
-def cells(boxes: Sequence[pygame.Rect], enlarge: int, stage: pygame.Rect) -> list[pygame.Rect]:
-    """Rectangles of whole cells, without overlap, that cover boxes of the enlarged picture."""
-    box = np.fromiter(chain.from_iterable(boxes), float).reshape(-1, 4)
-    box[:, 2:] += box[:, :2]
-    grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
-    places = np.floor((box / enlarge - np.tile(stage.topleft, 2)) / CELL)
-    places[:, 2:] += 1
-    limit = (*grid.shape[::-1], *grid.shape[::-1])
-    for x0, y0, x1, y1 in set(map(tuple, np.clip(places, 0, limit).astype(int).tolist())):
-        grid[y0:y1, x0:x1] = 1
-    edges = np.diff(grid, axis=1, prepend=0, append=0)
-    rows, starts = (each.tolist() for each in np.nonzero(edges == 1))
-    ends = np.nonzero(edges == -1)[1].tolist()
-    return [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL, CELL).clip(
-        stage) for row, a, b in zip(rows, starts, ends, strict=True)]
-
-
 class Frames:
     """Paints a picture at any time, ``enlarge`` (a power of 2) times larger and scaled down."""
 
@@ -194,7 +171,6 @@ class Frames:
         self._meters = [meter.cell.inflate([2 * picture.panel.margin] * 2).clip((0, 0, *self.size))
                         for meter in picture.panel.meters]
         self._written: list[pygame.Rect] = []
-        self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
         self.instant.go_to(float(picture.run.time[0]))
@@ -218,15 +194,13 @@ class Frames:
         instant.go_to(t)
         key = instant.key()
         if key != self._key:
-            self._restore(self._areas)
-            painter.small.blits([(self._small_still, rect, rect)
-                                 for rect in self._areas + self._written], doreturn=False)
+            for rect in self._written:
+                painter.small.blit(self._small_still, rect, rect)
+            self._restore([stage])
             painter.large.set_clip([v * painter.enlarge for v in stage])
-            painter.drawn.clear()
             instant.paint(painter)
             painter.large.set_clip(None)
-            self._areas = cells(painter.drawn, painter.enlarge, stage)
-            painter.scale_down(self._areas)
+            painter.scale_down([stage])
             picture.write_labels(painter, instant)
             self._written = painter.write_texts()
             self._key = key

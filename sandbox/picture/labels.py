@@ -39,7 +39,11 @@ class _Seen:
     key: int
     rows: Array  # point x, y, away x, y [samples, 4] finished pixels; NaN where absent
     words: str = ""
-    size: float = 0.0
+
+    @property
+    def size(self) -> float:
+        """The sum of the lengths of its arrow."""
+        return float(np.nansum(np.hypot(*self.rows[:, 2:].T)))
 
 
 def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, int],
@@ -93,14 +97,19 @@ def _look(instant: Instant, some: Integers, type_: Typesetter,
 
     seen: dict[tuple[int, int], _Seen] = {}
     painter = Pixels(instant.size, 1, type_)
-    costs = []
+    costs, key = list[Array](), None
     for row, sample in enumerate(some.tolist()):
         instant.go_to(float(instant.out.time[sample]))
+        before, key = key, instant.key()
+        if key == before:
+            costs.append(costs[-1])
+            for one in seen.values():
+                one.rows[row] = one.rows[row - 1]
+            continue
         for label in instant.labels():
             one = seen.setdefault((id(label.item), label.key), _Seen(
                 label.item, label.key, np.full((len(some), 4), np.nan)))
             one.words = max(one.words, label.words, key=len)
-            one.size += float(np.hypot(*label.away))
             one.rows[row] = cell * np.array([*label.point, *label.away])
         costs.append(INK * (1 - painter.grey(instant) / 255))
     covered = np.pad(costs, ((0, 0), (1, 0), (1, 0)))
