@@ -28,10 +28,9 @@ LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
                 size: Sequence[float] = FINE, **fields: Any) -> None:
     """Add an item for the table of a layer, and its row of the legend."""
-    factor, written, decimals = scales.prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
-        "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
+        "s": (token, "paper", 2.0), "written": (scale.reference, unit),
         "labelled": LABELLED * scale.reference, "rank": 2, **fields})
     s.arrows[layer] = token, unit, words, size, scale
 
@@ -213,7 +212,6 @@ def add_pressure(s: Subject) -> None:
     s.out.tables["pressure"] = np.column_stack([
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
-    factor, unit, decimals = scales.prefixed(scale.reference, "N/m")
     s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
-          factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
+          written=(scale.reference, "N/m"), least=LABELLED * scale.reference)
     s.signs.add("patch")

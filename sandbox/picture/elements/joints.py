@@ -284,6 +284,7 @@ def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
     drive, own = int(springs.drive[k]), float(springs.stiffness[k])
     look: dict[str, Any] = {"s": ("", "spring", COIL)}
     if drive != NONE and own:
+        s.signs.add("stiffer")
         level, wide = made_stiffer(s, drive, own)
         look = {"s": ("", "@stiffness", COIL), "by": s.out.varying(level),
                 "wide": s.out.varying(wide)}

@@ -62,7 +62,8 @@ def add_cables(s: Subject) -> None:
                 cable.collar(guide, slips[:, grip])
         for g in range(last):
             if not cable.radii[g]:
-                cable.add("mark", rank=2, at=cable.points[g], g="eye", shown=cable.shown)
+                cable.add("mark", rank=2, at=cable.points[g], g="eye",
+                          shown=s.during(cable.hold))
 
 
 class _Cable:
@@ -78,7 +79,6 @@ class _Cable:
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
         self.add = partial(s.add, "cables", plane=s.plane(*bodies))
         self.hold = held_of(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
-        self.shown = None if self.hold.all() else s.steady(self.hold)
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off
         drive = int(tendons.stiffener[k])
@@ -97,15 +97,14 @@ class _Cable:
         return [*base, self.s.out.varying(meets), self.s.out.varying(leaves)]
 
     def line(self, guides: list[Any], stretch: int, closed: int | None = None,
-             there: Flags | None = None) -> None:
+             there: Flags | bool = True) -> None:
         s = self.s
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
-        slack, shown = share <= SLACK_FRACTION, self.shown
-        if there is not None and not there.all():
-            shown = s.steady(there & self.hold)
+        slack = share <= SLACK_FRACTION
         self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
                  s=[("", "@load", 2.4), ("", "slack", 1.8, 5)], state=s.steady(slack),
-                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
+                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide,
+                 shown=s.during(self.hold & there))
 
     def pieces(self, stretches: Integers) -> None:
         """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
@@ -125,13 +124,13 @@ class _Cable:
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
-        s, at, there = self.s, self.points[guide], self.on[:, guide] & self.hold
+        s, at = self.s, self.points[guide]
         if radius := self.radii[guide]:
             angle = self.middle[:, guide]
             at = s.out.spot(self.places[guide] + radius * np.column_stack(
                 (np.cos(angle), np.sin(angle))))
         self.add("mark", rank=1, at=at, state=s.steady(~slips), g=["slides", "rubs"],
-                 shown=None if there.all() else s.steady(there))
+                 shown=s.during(self.on[:, guide] & self.hold))
 
 
 def largest_pressure(run: RunData) -> float:
@@ -233,7 +232,6 @@ class _Fluids:
             self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
-            s.signs |= {"open", "shut"}
 
     def pumps(self) -> None:
         """Sources of flow or pressure beside their lines, with their values."""
