@@ -36,7 +36,7 @@ def add_joints(s: Subject) -> None:
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
         where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.bonds.joint[k]))}
-        if joints.kind[k].keeps == "groove":
+        if kind.keeps == "groove":
             _groove(s, k, where)
         if k in joints.frictional:
             s.add("pins", "mark", joints.name[k], rank=-1, at=s.on(b, on_b), g=["slides", "rubs"],
@@ -79,17 +79,17 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
 def add_grounds(s: Subject) -> None:
     """A ground symbol at each anchor of a fixed body that has no shape there."""
     model = s.run.model
-    found = {body: [at for at, nearest in pairs if math.dist(at, nearest) > FAR_FOOT * s.point]
-             for body, pairs in stalks(model).items() if model.bodies.fixed[body]}
-    found |= {i: points for i, points in joined_points(model, held=True).items()
-              if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes}
+    found = [(body, at) for body, at, nearest in stalks(model)
+             if model.bodies.fixed[body] and math.dist(at, nearest) > FAR_FOOT * s.point]
+    found += [(body, at) for body, points in joined_points(model, held=True).items()
+              if model.bodies.fixed[body] and not model.mechanism.bodies[body].shapes
+              for at in points]
     taken: list[XY] = []
-    for body, points in found.items():
-        for at in dict.fromkeys(points):
-            x, y = s.out.place([body, *at])[0].tolist()
-            if all(math.dist((x, y), other) > PILED * s.point for other in taken):
-                taken.append((x, y))
-                s.add("grounds", "mark", plane=s.plane(body), at=s.on(body, at), g="ground")
+    for body, at in dict.fromkeys(found):
+        x, y = s.out.place([body, *at])[0].tolist()
+        if all(math.dist((x, y), other) > PILED * s.point for other in taken):
+            taken.append((x, y))
+            s.add("grounds", "mark", plane=s.plane(body), at=s.on(body, at), g="ground")
 
 
 def stopping(s: Subject) -> Array:
