@@ -199,9 +199,7 @@ class Listing:
 
     def spot(self, place: Array, angle: Array | float = 0.0) -> Point:
         """A point at a place [n, 2] m of each sample, in a frame of its own with an angle [rad]."""
-        pose = np.empty((len(self.time), 3))
-        pose[:, :2], pose[:, 2] = place, angle
-        self.frames.append(pose)
+        self.frames.append(np.column_stack([place, np.broadcast_to(angle, len(self.time))]))
         return [len(self.frames) - 1, 0, 0]
 
     def place(self, point: Sequence[float]) -> Array:

@@ -170,11 +170,10 @@ def add_belts(s: Subject) -> None:
             corners = np.vstack([points, points[:1]])
             step = np.diff(corners, axis=0)
             along = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
-            step /= np.maximum(np.diff(along), 1e-12)[:, None]
             count = max(3, min(200, round(float(along[-1]) / (34.0 * s.point))))
             at = (gone[:, None] + along[-1] * np.arange(count) / count) % along[-1]
             side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(step) - 1)
-            place = placed(pose, corners[side] + (at - along[side])[..., None] * step[side])
+            place = placed(pose, np.stack([np.interp(at, along, v) for v in corners.T], axis=-1))
             turn = np.unwrap(np.arctan2(step[side, 1], step[side, 0]), axis=0) + pose[..., 2]
             for k in range(count):
                 s.add("belts", "mark", plane=s.plane(body), at=s.out.spot(place[:, k], turn[:, k]),

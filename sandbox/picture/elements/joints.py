@@ -95,10 +95,8 @@ def add_grounds(s: Subject) -> None:
 def stopping(s: Subject) -> Array:
     """Torques of the stops that act, 0 of others, [n, nj]."""
     torque, stopped = s.run.arrays["joint_stop"], s.run.model.joints.stopped
-    result = np.zeros(torque.shape)
-    result[:, stopped] = torque[:, stopped]
-    result[np.abs(result) <= 1e-4 * largest_size(torque)] = 0.0
-    return result
+    acts = np.isin(range(len(torque.T)), stopped) & (np.abs(torque) > 1e-4 * largest_size(torque))
+    return np.where(acts, torque, 0.0)
 
 
 def add_stops(s: Subject) -> None:
@@ -239,9 +237,8 @@ def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Arra
 def made_stiffer(s: Subject, drive: int, own: float) -> tuple[Array, Array]:
     """How a driven stiffness shows: from -1 to 1, 0 at the element's own; a factor of its width."""
     low, high = THICK
-    share = np.clip(s.run.arrays["drive_value"][:, drive] / own, low, high)
-    level = np.asarray(np.where(share > 1, np.log(share) / math.log(high),
-                                -np.log(share) / math.log(low)))
+    share = np.maximum(s.run.arrays["drive_value"][:, drive] / own, low)
+    level = np.interp(np.log(share), np.log([low, 1.0, high]), [-1.0, 0.0, 1.0])
     return level, 1 + np.where(level > 0, 1.2, 0.3) * level
 
 
