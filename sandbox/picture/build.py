@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from sandbox.picture import scales
 from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
@@ -43,6 +41,7 @@ ROWS: Mapping[str, Row] = {
     "gone": Row("joints", 18, "released", centred=True),
     "open": Row("tendons", 15, "valve open", centred=True),
     "shut": Row("tendons", 15, "shut", centred=True),
+    "pump": Row("tendons", 15, "pump", centred=True),
     "stop": Row("joints", 16, "stop"),
 }
 """By name, most important first. What a picture shows by itself has no row."""
@@ -63,7 +62,7 @@ ELEMENTS: tuple[Callable[[Subject], None], ...] = (
 
 def add_legend(s: Subject, carried: scales.Tensions) -> None:
     """Add the rows that the run's pictures need."""
-    out, signs = s.out, s.signs | _seen(s)
+    out, signs = s.out, _seen(s)
 
     def add(kind: str, layer: str, **row: Any) -> None:
         out.legend.append({"k": kind, "l": layer, **row})
@@ -86,7 +85,7 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
                     before="push" if pushes else "tension 0",
                     after=f"pull {words}" if pushes else words,
                     instead="tensions" if layer == "bars" else "")
-    if "pressure" in signs and "tendons" in s.layers:
+    if "pressure" in s.signs and "tendons" in s.layers:
         largest = max(map(tendons.largest_pressure, (s.run, *s.beside)))
         pascals, unit = scales.pressure_unit(largest)
         add("ramp", "tendons", ramp="load", low=0, before="pressure 0",
@@ -103,16 +102,16 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
 
 
 def _seen(s: Subject) -> set[str]:
-    """Rows of signs that come and go: slack tendons, stops, bonds, arrows that are cut."""
+    """Names of rows; slack, bonds, stops and cut arrows come and go in the painted samples."""
     some = s.painted()
-    held = s.run.arrays["held"][some] != 0 if s.run.model.bonds.name else np.zeros(0, dtype=bool)
+    held = s.run.arrays["held"][some] != 0
     slack = s.carried.pieces[some] <= scales.SLACK_FRACTION * s.carried.largest
     found = {
-        "slack": bool(slack.any()), "stop": bool(joints.stopping(s)[some].any()),
-        "holds": bool(held.any()), "gone": not held.all(),
+        "slack": slack.any(), "stop": joints.stopping(s)[some].any(),
+        "holds": held.any(), "gone": not held.all(),
         "cut": any(s.largest_arrow(item["t"]) > item["most"] for item in s.out.items
                    if item["k"] == "arrows")}
-    return {sign for sign, shown in found.items() if shown}
+    return {sign for sign in ROWS if found.get(sign, sign in s.signs)}
 
 
 def subject_of(run: RunData, view: View, *, width: float, point: float,

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.picture.geometry import XY, ribbon
+from sandbox.picture.geometry import XY, bar
 from sandbox.picture.instant import Instant
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
@@ -67,11 +68,14 @@ class Pixels:
                                    self.large.get_rect().size))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """Paint connected lines."""
-        if width > 2.5 and (len(path) == 2 or (2 < len(path) < 60 and not _turns_back(path))):
-            self._polygon(ink, ribbon(path, width))
-        else:
+        """Paint connected lines; wide ones have round joints."""
+        if width <= 2.5 or len(path) > 60:
             pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
+            return
+        for start, end in pairwise(path):
+            self._polygon(ink, bar(start, end, width))
+        for joint in path[1:-1]:
+            pygame.draw.circle(self.large, ink, joint, width / 2)
 
     def simple(self, corners: Sequence[XY], fill: Ink, edge: Ink, width: float) -> None:
         """Paint a small polygon with an outline about its line."""
@@ -147,14 +151,6 @@ def _hatching(corners: tuple[XY, ...], edge: Colour, pitch: float,
 
 def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
     return rings[0] if len(rings) == 1 else [at for ring in rings for at in (*ring, ring[0])]
-
-
-def _turns_back(path: Sequence[XY]) -> bool:
-    """Whether a line may lie on itself, where the polygon around it would have holes."""
-    step = np.diff(np.asarray(path), axis=0)
-    turn = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
-    along = (step[:-1] * step[1:]).sum(axis=1)
-    return bool(np.abs(np.arctan2(turn, along)).sum() > 4.5)
 
 
 class Frames:

@@ -88,16 +88,14 @@ def holds(ring: Array, other: Array) -> bool:
 
 def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
     """The corners of an arrow: widths of its shaft and length of its head, at most 0.62 of all."""
-    dx, dy = tip[0] - tail[0], tip[1] - tail[1]
-    length = math.hypot(dx, dy) or 1e-12
-    ux, uy = dx / length, dy / length
-    head = min(head, 0.62 * length)
-    half, wide = shaft / 2, max(shaft * 0.5, 0.45 * head)
-    bx, by = tip[0] - ux * head, tip[1] - uy * head
-    nx, ny = -uy, ux
-    return [(tail[0] + nx * half, tail[1] + ny * half), (bx + nx * half, by + ny * half),
-            (bx + nx * wide, by + ny * wide), tip, (bx - nx * wide, by - ny * wide),
-            (bx - nx * half, by - ny * half), (tail[0] - nx * half, tail[1] - ny * half)]
+    start, end = complex(*tail), complex(*tip)
+    length = abs(end - start) or 1e-12
+    way, head = (end - start) / length, min(head, 0.62 * length)
+    neck, half = end - head * way, shaft / 2
+    sides = [(start, half), (neck, half), (neck, max(half, 0.45 * head)), (end, 0.0)]
+    corners = [*(at + 1j * wide * way for at, wide in sides),
+               *(at - 1j * wide * way for at, wide in sides[-2::-1])]
+    return [(z.real, z.imag) for z in corners]
 
 
 def dashes(path: Sequence[XY], dash: float, gap: float) -> list[list[XY]]:
@@ -115,17 +113,11 @@ def dashes(path: Sequence[XY], dash: float, gap: float) -> list[list[XY]]:
     return pieces
 
 
-def ribbon(path: Sequence[XY], width: float) -> list[XY]:
-    """The outline of a line of constant ``width``; mitres reach at most 1.5 widths."""
-    points = [complex(*at) for k, at in enumerate(path) if not k or at != path[k - 1]]
-    points *= 2 if len(points) == 1 else 1
-    normals = [0.5j * width * (b - a) / (abs(b - a) or 1.0) for a, b in pairwise(points)]
-    left, right = [], []
-    for at, n, m in zip(points, [normals[0], *normals], [*normals, normals[-1]], strict=True):
-        offset = (n + m) / max(1 + 4 * (n * m.conjugate()).real / width**2, 0.67)
-        left.append(at + offset)
-        right.append(at - offset)
-    return [(z.real, z.imag) for z in left + right[::-1]]
+def bar(start: XY, end: XY, width: float) -> list[XY]:
+    """The corners of a straight line of some ``width``."""
+    a, b = complex(*start), complex(*end)
+    side = 0.5j * width * (b - a) / (abs(b - a) or 1.0)
+    return [(z.real, z.imag) for z in (a + side, b + side, b - side, a - side)]
 
 
 def within(points: Sequence[XY], edges: Edges) -> bool:
@@ -138,10 +130,9 @@ def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
     """A polygon's corners within the edges (Sutherland and Hodgman); none if one is NaN."""
     if within(corners, edges):
         return [*corners]
-    found = [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in corners
-             if not math.isnan(x + y)]
-    if len(found) < len(corners):
+    if np.isnan(corners).any():
         return []
+    found: list[XY] = np.clip(corners, -FAR, FAR).tolist()
     for axis, limit, sign in ((0, edges[0], 1), (1, edges[1], 1), (0, edges[2], -1),
                               (1, edges[3], -1)):
         before, found = found, []

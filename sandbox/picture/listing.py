@@ -70,6 +70,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,8 +133,8 @@ class Listing:
     """A display list; see the module's description."""
 
     time: Array  # of the samples [n] s
-    pose: Array  # frames [n, frames, 3] m, rad
-    world: int = 0  # the frame that stands still
+    frames: list[Array]  # x, y and angle of each [n, 3] m, rad
+    world: int  # the frame that stands still
     fixed_columns: bool = False
     """Keep constant and equal columns: lists of other samples then have the same items."""
     inks: dict[str, list[str]] = field(default_factory=dict)
@@ -147,12 +148,16 @@ class Listing:
     legend: list[Item] = field(default_factory=list)
     drift: Array | None = None  # displacement of a camera that follows a body [n, 2] m
     _known: dict[Any, int] = field(default_factory=dict)
-    _made: list[Array] = field(default_factory=list)
 
     @property
     def sizes(self) -> tuple[int, int, int]:
-        """Number of columns, tables and frames that elements made."""
-        return len(self.columns), len(self.tables), len(self._made)
+        """Number of columns, tables and frames."""
+        return len(self.columns), len(self.tables), len(self.frames)
+
+    @cached_property
+    def pose(self) -> Array:
+        """All frames [n, frames, 3], once they are complete."""
+        return np.stack(self.frames, axis=1)
 
     def share_styles(self, other: Listing) -> None:
         """Use the styles and glyphs of another list, with the same numbers."""
@@ -162,9 +167,8 @@ class Listing:
     @classmethod
     def of(cls, time: Array, pose: Array, *, fixed_columns: bool = False) -> Listing:
         """An empty list for bodies with these poses [n, nb, 3]."""
-        still = np.zeros((len(time), 1, 3))
-        return cls(np.asarray(time), np.concatenate([pose, still], axis=1), pose.shape[1],
-                   fixed_columns)
+        frames = [*np.moveaxis(pose, 1, 0), np.zeros((len(time), 3))]
+        return cls(np.asarray(time), frames, pose.shape[1], fixed_columns)
 
     def style(self, fill: str = "", edge: str = "", width: float = 0.0, dash: float = 0.0,
               hatched: int = 0) -> int:
@@ -195,22 +199,12 @@ class Listing:
 
     def spot(self, place: Array, angle: Array | float = 0.0) -> Point:
         """A point at a place [n, 2] m of each sample, in a frame of its own with an angle [rad]."""
-        pose = np.empty((len(self.time), 3))
-        pose[:, :2], pose[:, 2] = place, angle
-        self._made.append(pose)
-        return [self.pose.shape[1] + len(self._made) - 1, 0, 0]
-
-    def close(self) -> None:
-        """Join the frames that elements made to those of the bodies."""
-        if self._made:
-            self.pose = np.concatenate([self.pose, np.stack(self._made, axis=1)], axis=1)
-            self._made = []
+        self.frames.append(np.column_stack([place, np.broadcast_to(angle, len(self.time))]))
+        return [len(self.frames) - 1, 0, 0]
 
     def place(self, point: Sequence[float]) -> Array:
         """Where a point ``[frame, x, y]`` is in each sample [n, 2] m."""
-        frame, known = int(point[0]), self.pose.shape[1]
-        pose = self.pose[:, frame] if frame < known else self._made[frame - known]
-        return placed(pose, np.array(point[1:3], dtype=float))
+        return placed(self.frames[int(point[0])], np.array(point[1:3], dtype=float))
 
     def head(self) -> dict[str, Any]:
         """All but the arrays for JSON, with used inks only."""

@@ -47,7 +47,7 @@ class Subject:
         default_factory=dict)
     """Arrows in the legend by layer: token, unit, words, size and scale."""
     trace_ink: str = ""  # token of the first trace
-    signs: set[str] = field(default_factory=set)  # rows of the legend that are needed, see ROWS
+    signs: set[str] = field(default_factory=set)  # glyphs that a legend may explain, see ROWS
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -72,7 +72,8 @@ class Subject:
             layer: str = "", shown: Number | None = None, **fields: Any) -> None:
         """Add an item of a pass (see :data:`sandbox.scene.layers.PASSES`) if its layer is shown.
 
-        It is visible where ``shown`` is not 0. Items are sorted by plane, pass and ``rank``; of
+        It is visible where ``shown`` is not 0. ``written`` are a typical value and the unit of its
+        numbers. Items are sorted by plane, pass and ``rank``; of
         texts and arrows, which lie above all, ``rank`` is the order in which labels are placed.
         """
         if "s" in fields:
@@ -80,7 +81,10 @@ class Subject:
             fields["s"] = [style(*each) for each in fields["s"]] if isinstance(
                 fields["s"], list) else style(*fields["s"])
         for each in [fields["g"]] if isinstance(fields.get("g"), str) else fields.get("g", ()):
-            glyph(self.out, each)
+            self.signs.add(glyph(self.out, each))
+        if "written" in fields:
+            fields |= zip(("factor", "unit", "decimals"), prefixed(*fields.pop("written")),
+                          strict=True)
         layer = layer or PASSES[step]
         if layer not in self.layers:
             return
@@ -95,10 +99,8 @@ class Subject:
     def number(self, step: str, name: str, at: Point, values: Array, largest: float, unit: str, *,
                steady: bool = False, token: str = "drive", words: str = "", **fields: Any) -> None:
         """Add a number beside a point, with decimals for the ``largest`` value."""
-        factor, unit, decimals = prefixed(largest, unit)
-        self.add(step, "text", name, at=at, words=words, factor=factor, unit=unit,
-                 value=self.out.column(values, steady=steady), decimals=decimals,
-                 s=("", token), **fields)
+        self.add(step, "text", name, at=at, words=words, written=(largest, unit),
+                 value=self.out.column(values, steady=steady), s=("", token), **fields)
 
     def patterns(self, layer: str) -> Sequence[str]:
         """Names and patterns of the bodies that a layer is shown of."""
@@ -120,7 +122,6 @@ class Subject:
         order = sorted(range(len(self._keys)), key=self._keys.__getitem__)
         self.out.items = [self.out.items[k] for k in order]
         self._keys = []
-        self.out.close()
 
     def held(self, *bonds: int) -> list[int] | None:
         """A column that is 1 while all of these hold; None if nothing of them can be released."""
@@ -131,6 +132,10 @@ class Subject:
     def on(self, body: int, at: Iterable[float]) -> Point:
         """A point of a body, or of another frame."""
         return [int(body), *map(short, at)]
+
+    def during(self, there: Flags) -> Number | None:
+        """When an item is shown that is there in some samples; None if it is in all."""
+        return None if there.all() else self.steady(there)
 
     def steady(self, values: Array | Flags) -> Number:
         """Values that painters do not interpolate, as a column, or as the number that they are."""

@@ -17,7 +17,7 @@ from sandbox.model.model import Model
 from sandbox.model.supports import components
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
-from sandbox.scene.geometry import to_body, to_world
+from sandbox.scene.geometry import to_body
 
 FEW, MANY, MAX_TEETH = 14, 30, 400  # teeth of the smallest meshing wheel; maximum of a wheel
 TOP, FOOT = 0.26, 0.3  # of a tooth above the pitch circle, of a gap below [pitches]
@@ -89,9 +89,8 @@ def _mesh(
 
     def direction(wheel: _WheelPlace) -> float:
         """Of the meeting point, from the wheel's centre, in its body's frame [rad]."""
-        pose = model.bodies.pose[wheel.body].tolist()
-        cx, cy = to_world(pose, wheel.centre)
-        return math.atan2(y - cy, x - cx) - float(pose[2])
+        bx, by = to_body(model.bodies.pose[wheel.body].tolist(), (x, y))
+        return math.atan2(by - wheel.centre[1], bx - wheel.centre[0])
 
     if one not in found:
         found[one] = _wheel(one, pitch, direction(one), ring=inside and one.radius > two.radius)
@@ -137,13 +136,13 @@ def _rack(
 ) -> WheelPicture:
     """A rack as long as the shapes of its body, with a gap where the gear has a tooth."""
     gx, gy = model.joints.along[j].tolist()
-    dx, dy = to_body(model.bodies.pose[place.body].tolist(), (x, y))
-    meets = (dx - place.centre[0]) * gx + (dy - place.centre[1]) * gy
+    turn = np.array([[gx, gy], [-gy, gx]])
+    pose, shapes = model.bodies.pose[place.body].tolist(), model.mechanism.bodies[place.body].shapes
+    meets = float(np.subtract(to_body(pose, (x, y)), place.centre) @ turn[0])
     reach = REACH * float(model.joints.radii[j, 0])
-    first, last = meets - reach, meets + reach
-    if shapes := model.mechanism.bodies[place.body].shapes:
-        way = (shape_points(*shapes) - place.centre) @ (gx, gy)
-        first, last = min(float(way.min()), meets - pitch), max(float(way.max()), meets + pitch)
+    way = (shape_points(*shapes) - place.centre) @ turn[0] if shapes else [
+        meets - reach, meets + reach]
+    first, last = min(*way, meets - pitch), max(*way, meets + pitch)
     count = max(1, min(math.floor((last - first) / pitch), MAX_TEETH))
     gap = meets + ahead + pitch / 2
     start = gap + pitch * math.ceil((max(first, meets - count * pitch) - gap) / pitch + 0.5)
@@ -152,5 +151,4 @@ def _rack(
     outline = np.column_stack([np.append(along, along[[-1, 0]]),
                                np.append(pitch * np.tile(ACROSS, count), [foot, foot])])
     line = np.array([[along[0], 0.0], [along[-1], 0.0]])
-    turn = np.array([[gx, gy], [-gy, gx]])
     return WheelPicture([outline @ turn + place.centre], line @ turn + place.centre)

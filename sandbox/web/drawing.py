@@ -93,7 +93,6 @@ class LiveListing:
             s = self._subject(run, layers, self._last.out)
             for add in self._changing:
                 add(s)
-            s.out.close()
             if s.out.items == self._raw:
                 s.out.items, s.out.legend = self._last.out.items, self._last.out.legend
                 return s

@@ -33,12 +33,11 @@ def styles(model: Model) -> list[Style]:
     bodies, found = model.mechanism.bodies, []
     moving = [bool(body.shapes) and not fixed and body.plane != ALL
               for body, fixed in zip(bodies, model.bodies.fixed.tolist(), strict=True)]
-    planes: dict[str, set[int]] = {}
-    for body, moves in zip(bodies, moving, strict=True):
-        planes.setdefault(body.role, set()).update([depth(body.plane)] if moves else ())
+    planes = {(body.role, depth(body.plane))
+              for body, moves in zip(bodies, moving, strict=True) if moves}
     for body, moves in zip(bodies, moving, strict=True):
         style, own = ROLES[body.role], colour_of(model, body)
-        ranks = sorted(planes[body.role], reverse=True)
+        ranks = sorted((deep for role, deep in planes if role == body.role), reverse=True)
         if own is not None:
             fill = rgb(own)
             dark = 0.3 * fill[0] + 0.59 * fill[1] + 0.11 * fill[2] < 90  # of 255
@@ -112,20 +111,15 @@ def _add_shapes(s: Subject, i: int, add: Callable[..., None], look: Look,
     for k, shape in circles_last:
         if k in joined:
             continue
-        if not isinstance(shape, Circle):
-            path(d=outline(shape), s=look,
-                 m=1 if body.fill and isinstance(shape, Polyline) else None)
-            continue
-        (x, y), pose = shape.at, s.run.arrays["body_pose"][:, i]
-        end = s.on(i, (x + shape.radius, y))
+        paths, radius = outline(shape), None
         if k in driven:
             radius = s.run.arrays["drive_value"][:, driven[k]]
-            path(d=[{"c": [x, y, x, y, s.out.varying(radius)]}], s=look)
-            tip = np.column_stack([x + radius, np.full(len(pose), y)])
-            end = s.out.spot(placed(pose, tip), pose[:, 2])
-        else:
-            path(d=outline(shape), s=look)
-        if not fixed:
+            paths[0]["c"][-1] = s.out.varying(radius)
+        path(d=paths, s=look, m=1 if body.fill and isinstance(shape, Polyline) else None)
+        if isinstance(shape, Circle) and not fixed:
+            (x, y), pose = shape.at, s.run.arrays["body_pose"][:, i]
+            end = s.on(i, (x + shape.radius, y)) if radius is None else s.out.spot(
+                placed(pose, np.column_stack([x + radius, np.full(len(pose), y)])), pose[:, 2])
             line(p=[s.on(i, shape.at), end])
 
 
@@ -143,13 +137,11 @@ def outline(shape: Shape) -> list[Any]:
 def _anchors(model: Model, *, grooves: bool, wheels: bool = True) -> Iterator[tuple[int, Array]]:
     """Bodies with points [n, 2] m where joints, straight springs and cylinders act on them."""
     joints, springs, lines = model.joints, model.springs, model.lines
-    grooved = set(joints.keeping("groove").tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
         if wheels or joints.kind[k].keeps not in ("gear", "rack", "roll"):
-            if k not in grooved:
-                yield a, joints.anchor[k, :1]
-            elif grooves:
-                yield a, slot_points(model, k)
+            groove = joints.kind[k].keeps == "groove"
+            if grooves or not groove:
+                yield a, slot_points(model, k) if groove else joints.anchor[k, :1]
             yield b, joints.anchor[k, 1:]
     for table, some in ((springs, springs.straight), (lines, lines.joint == NONE)):
         yield from zip(table.bodies[some].ravel().tolist(), table.anchor[some].reshape(-1, 1, 2),
@@ -162,8 +154,8 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
     every = list(_anchors(model, grooves=not held))
     for tendon, drive in enumerate(tendons.drive):
         guides = tendons.guides(tendon)
-        every += [(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
-                  for i in range(guides.start, guides.stop - (drive != NONE and held))]
+        some = slice(guides.start, guides.stop - (drive != NONE and held))
+        every += zip(tendons.guide_body[some].tolist(), tendons.guide_at[some, None], strict=True)
     for body, points in every:
         found.setdefault(body, []).extend((x, y) for x, y in points.tolist())
     return found
@@ -182,26 +174,22 @@ def beside(model: Model, body: int, at: XY) -> XY | None:
     return x, y
 
 
-def stalks(model: Model) -> dict[int, list[tuple[XY, XY]]]:
-    """The anchors beside the shapes of each body [m], with the nearest points of these."""
+def stalks(model: Model) -> list[tuple[int, XY, XY]]:
+    """Bodies with each of their anchors beside their shapes [m], and the nearest point of these."""
     ends = {(body, (x, y)) for body, points in _anchors(model, grooves=False, wheels=False)
             for x, y in points.tolist()}
-    found: dict[int, list[tuple[XY, XY]]] = {}
-    for body, at in sorted(ends):
-        if nearest := beside(model, body, at):
-            found.setdefault(body, []).append((at, nearest))
-    return found
+    return [(body, at, nearest) for body, at in sorted(ends)
+            if (nearest := beside(model, body, at))]
 
 
 def add_stalks(s: Subject) -> None:
     """Lines from moving bodies to anchors beside them, below the bodies."""
-    model, shown = s.run.model, s.layers.get("bodies", ())
-    for body, pairs in stalks(model).items():
-        if not model.bodies.fixed[body] and body in shown:
+    model = s.run.model
+    for body, *ends in stalks(model):
+        if not model.bodies.fixed[body] and body in s.layers.get("bodies", ()):
             _, edge = tokens(s, ROLES[model.mechanism.bodies[body].role])
-            for pair in pairs:
-                s.add("stalks", "line", plane=s.plane(body), s=("", edge, STALK),
-                      p=[s.on(body, at) for at in pair])
+            s.add("stalks", "line", plane=s.plane(body), s=("", edge, STALK),
+                  p=[s.on(body, at) for at in ends])
 
 
 def add_wheels(s: Subject) -> None:

@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 
-from sandbox.model.joints import placed
-from sandbox.model.model import Model
+from sandbox.model.joints import placed, rotated
+from sandbox.model.model import Model, held_of
 from sandbox.numeric import Array, Flags
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Point
-from sandbox.picture.scales import LONGEST, prefixed, typical
+from sandbox.picture.scales import LONGEST, typical
 from sandbox.picture.subject import Subject
 from sandbox.samples.cables import Frames
 from sandbox.scene.bodies import Circle
@@ -36,10 +36,8 @@ def _arrow(s: Subject, drive: int, gives: str) -> tuple[Array, Array]:
         a, b = (s.out.place(_hinge(s.run.model, drive, end)) for end in (0, 1))
         return b, b - a
     if gives == "force":
-        at, along = drives.at[drive], drives.direction[drive]
-        tail = s.out.place([target, *at])
-        return tail, (s.out.place([target, *(at + along)]) - tail if drives.turning[drive]
-                      else np.tile(along, (len(tail), 1)))
+        angle = s.run.arrays["body_pose"][:, target, 2] * drives.turning[drive]
+        return s.out.place([target, *drives.at[drive]]), rotated(drives.direction[drive], angle)
     last = tendons.guides(target).stop - 1  # on from the last guide of a tendon
     cables = Frames(s.run.model, s.run.arrays).cables
     piece = np.flatnonzero(tendons.stretch_tendon == target)[-1]
@@ -56,8 +54,6 @@ def _hinge(model: Model, drive: int, end: int = 1) -> Point:
 def add_drives(s: Subject) -> None:
     """Arrows with values, and marks about hinges."""
     model, about = s.run.model, list[Point]()
-    if model.joints.frictional.size or model.tendons.grips.size:
-        s.signs |= {"rubs", "slides"}
     named = sum(kind.gives in ARROWS and not kind.limited for kind in model.drives.kind) <= NAMED
     for k, kind in enumerate(model.drives.kind):
         name, value = model.drives.name[k], s.run.arrays["drive_value"][:, k]
@@ -68,13 +64,8 @@ def add_drives(s: Subject) -> None:
                 marks, state = ["unbraked", "braked"], value > 0
             elif kind.places:
                 marks, state = ["servo"], None
-            s.signs |= set(marks) - {"motor_back", "motor_rest"}
             s.add("marks", "mark", name, plane=s.plane(at[0]), at=at, g=marks,
                   state=None if state is None else s.steady(state))
-        elif kind.gives == "surface":
-            s.signs.add("belt")
-        elif kind.gives == "stiffness" and kind.target.among != "tendons":
-            s.signs.add("stiffer")
         if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
         values = [(run, run.model.names.drive.get(name)) for run in (s.run, *s.beside)]
@@ -82,8 +73,8 @@ def add_drives(s: Subject) -> None:
                    for run, at in values if at is not None)
         bonds = {"joints": model.bonds.joint, "tendons": model.bonds.tendon}.get(kind.target.among)
         there = np.abs(value) > 5e-3 * size  # others are negligible
-        if bonds is not None and (bond := int(bonds[model.drives.target[k]])) >= 0:
-            there &= s.run.arrays["held"][:, bond] != 0
+        if bonds is not None:
+            there &= held_of(int(bonds[model.drives.target[k]]), s.run.arrays["held"])
         if not there.any() and not s.out.fixed_columns:
             continue
         if kind.gives == "torque":
@@ -109,10 +100,9 @@ def _straight(s: Subject, k: int, size: float, there: Flags, *, named: bool) -> 
             SHORTEST + (1 - SHORTEST) * (np.abs(value) / (size or 1.0)))
     s.out.tables[f"drive {name}"] = np.column_stack([
         rows, np.full(len(rows), k), tail[rows], (long[:, None] * way)[rows], np.abs(value[rows])])
-    factor, unit, decimals = prefixed(size, kind.unit)
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
           size=SLIM if scaled else BLOCK, least=0, s=("drive", "paper", 2.0),
-          factor=factor, unit=unit, decimals=decimals, names={k: name} if named else None)
+          written=(size, kind.unit), names={k: name} if named else None)
     if scaled:
         s.arrows["drives"] = "drive", "N", "driving force", SLIM, s.force
     else:
@@ -125,12 +115,12 @@ def _bent(s: Subject, k: int, size: float, there: Flags, others: int) -> None:
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
     sweep = int(model.joints.sense[model.drives.target[k]]) * np.sign(value) * (
         SWEEP[0] + SWEEP[1] * share)
-    shown = None if there.all() else s.steady(there)
+    shown = s.during(there)
     s.add("drives", "spiral", name, at=at, r=[radius, radius], head=12, shown=shown,
           s=("", "drive", 3.2), sweep=s.steady(sweep),
           start=s.steady(math.pi / 2 - sweep / 2))
     s.number("drives", name, at, value, size, model.drives.kind[k].unit, words=name,
-             clear=max(radius, rim(s, at)), shown=shown)
+             clear=max(radius + WIDER, rim(s, at)), shown=shown)
     s.signs.add("torque")
 
 
@@ -180,11 +170,10 @@ def add_belts(s: Subject) -> None:
             corners = np.vstack([points, points[:1]])
             step = np.diff(corners, axis=0)
             along = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
-            step /= np.maximum(np.diff(along), 1e-12)[:, None]
             count = max(3, min(200, round(float(along[-1]) / (34.0 * s.point))))
             at = (gone[:, None] + along[-1] * np.arange(count) / count) % along[-1]
             side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(step) - 1)
-            place = placed(pose, corners[side] + (at - along[side])[..., None] * step[side])
+            place = placed(pose, np.stack([np.interp(at, along, v) for v in corners.T], axis=-1))
             turn = np.unwrap(np.arctan2(step[side, 1], step[side, 0]), axis=0) + pose[..., 2]
             for k in range(count):
                 s.add("belts", "mark", plane=s.plane(body), at=s.out.spot(place[:, k], turn[:, k]),

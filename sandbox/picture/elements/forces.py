@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.model.joints import placed, rotated
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture import scales
 from sandbox.picture.elements.notes import Place, marked
 from sandbox.picture.geometry import shape_points
@@ -28,10 +28,9 @@ LOAD_LENGTH, VECTOR_LENGTH, LENGTH = 0.11, 0.1, 0.07
 def _add_arrows(s: Subject, layer: str, scale: ForceScale, token: str, unit: str, words: str,
                 size: Sequence[float] = FINE, **fields: Any) -> None:
     """Add an item for the table of a layer, and its row of the legend."""
-    factor, written, decimals = scales.prefixed(scale.reference, unit)
     s.add(layer, "arrows", layer, **{
         "t": layer, "metres": scale.metres, "most": scale.longest, "size": size, "least": SHORT,
-        "s": (token, "paper", 2.0), "factor": factor, "unit": written, "decimals": decimals,
+        "s": (token, "paper", 2.0), "written": (scale.reference, unit),
         "labelled": LABELLED * scale.reference, "rank": 2, **fields})
     s.arrows[layer] = token, unit, words, size, scale
 
@@ -61,7 +60,7 @@ def add_contacts(s: Subject) -> None:
 def add_loads(s: Subject) -> None:
     """The force of each load on each body, from where it acts; of a few with names and values."""
     loads, arrays = s.run.model.loads, s.run.arrays
-    some = np.flatnonzero(np.isin(loads.body, s.layers.get("loads", ()))).tolist()
+    some = np.isin(loads.body, s.layers.get("loads", ()))
     found, length = [], LOAD_LENGTH * s.width
     for run in (*s.beside, s.run):  # ``size`` is that of ``s.run`` from here on
         size = np.nan_to_num(np.hypot(*np.moveaxis(run.arrays["load_force"], -1, 0)))
@@ -72,25 +71,21 @@ def add_loads(s: Subject) -> None:
     scale = scales.shared(found)
     if scale.metres == 0 or not size[:, some].max(initial=0.0) > 0:
         return
-    rows = []
-    for i in some:
-        at, force = s.out.place([int(loads.body[i]), *loads.at[i]]), arrays["load_force"][:, i]
-        if loads.law[i] is None:  # buoyancy acts at the middle of the submerged part
-            lift = np.where(force[:, 1] == 0, np.inf, force[:, 1])
-            at = at + np.column_stack([arrays["load_torque"][:, i] / lift, np.zeros(len(at))])
-        there = np.flatnonzero(size[:, i] > 0.02 * scale.reference)  # others are too short
-        rows.append(np.column_stack([there, np.full(len(there), i), at[there], force[there]]))
-    s.out.tables["loads"] = sort_rows(rows)
-    few = len(some) <= 6  # numbers of loads are written of at most so many
+    at, force = placed(arrays["body_pose"][:, loads.body], loads.at), arrays["load_force"]
+    floats = np.array([law is None for law in loads.law])
+    # buoyancy acts at the middle of the submerged part
+    lift = np.where(floats & (force[..., 1] != 0), force[..., 1], np.inf)
+    at[..., 0] += arrays["load_torque"] / lift
+    s.out.tables["loads"] = table(at, force, some & (size > 0.02 * scale.reference))
+    few = some.sum() <= 6  # numbers of loads are written of at most so many
     _add_arrows(s, "loads", scale, "drive", "N", "load", SLIM, labelled=0.0 if few else np.inf,
-                names={i: s.run.mechanism.loads[loads.load[i]].name for i in some}
-                if few else None)
+                names={i: s.run.mechanism.loads[loads.load[i]].name
+                       for i in np.flatnonzero(some).tolist()} if few else None)
 
 
-def sort_rows(tables: Sequence[Array]) -> Array:
-    """Rows of several tables, sorted by their sample."""
-    rows = np.concatenate(tables) if tables else np.zeros((0, 6))
-    return np.asarray(rows[np.argsort(rows[:, 0], kind="stable")])
+def table(at: Array, vectors: Array, some: Flags) -> Array:
+    """The rows of ``some`` [n, k] of the vectors at places [n, k, 2], by sample."""
+    return np.column_stack([*np.nonzero(some), at[some], vectors[some]])
 
 
 def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
@@ -107,14 +102,13 @@ def point_motion(run: RunData, places: Sequence[Place]) -> tuple[Array, Array]:
 def reactions(run: RunData, bodies: Sequence[int]) -> tuple[list[Place], Array, str]:
     """Forces of the pins, slots and welds of ``bodies``: places, forces [n, k, 2] N, and words."""
     joints = run.model.joints
-    found: Integers = np.array([
-        k for k, kind in enumerate(joints.kind) if kind.keeps in ("point", "groove")
-        and set(joints.bodies[k].tolist()) & set(bodies)], dtype=np.intp)
-    a, b = joints.bodies[found].T if len(found) else np.zeros((2, 0), dtype=np.intp)
+    found = joints.keeping("point", "groove")
+    found = found[np.isin(joints.bodies[found], bodies).any(axis=1)]
+    a, b = joints.bodies[found].T
     swapped = on_the_other(run.model, run.arrays, b, a)
-    places = [(int(joints.bodies[k, 1]), (float(x), float(y)))
-              for k, (x, y) in zip(found, joints.anchor[found, 1], strict=True)]
-    values = run.arrays["joint_force"][:, found] * np.where(swapped, -1.0, 1.0)[None, :, None]
+    places = [(body, (x, y)) for body, (x, y) in zip(
+        b.tolist(), joints.anchor[found, 1].tolist(), strict=True)]
+    values = run.arrays["joint_force"][:, found] * np.where(swapped, -1.0, 1.0)[:, None]
     if np.abs(np.nan_to_num(values)).max(initial=0.0) <= scales.rounding(run):
         values = np.zeros_like(values)
     words = said_of(run.model, np.where(swapped, a, b), np.where(swapped, b, a))
@@ -139,31 +133,26 @@ def add_vectors(s: Subject) -> None:
         size = np.hypot(values[..., 0], values[..., 1]).max(axis=1, initial=0.0)
         if (reference := scales.typical(size, s.run.time)) <= least:
             continue
-        samples = np.arange(len(values))
-        s.out.tables[layer] = sort_rows([np.column_stack([
-            samples, np.full(len(samples), k), s.out.place([body, *at]), values[:, k]])
-            for k, (body, at) in enumerate(places)])
+        pose = s.run.arrays["body_pose"][:, [body for body, _ in places]]
+        s.out.tables[layer] = table(placed(pose, np.array([at for _, at in places])), values,
+                                    np.ones(values.shape[:2], dtype=bool))
         scale = scales.scale_of(reference, VECTOR_LENGTH * s.width)
         _add_arrows(s, layer, scale, token, unit, words)
 
 
-def spread(first: Any, second: Any, length: Any) -> tuple[Any, Any, Any, Any]:
-    """Normal forces (0 or more) at the two ends of a contact as a linear force per length.
+def spread(total: Array, share: Array, length: Array) -> tuple[Array, Array, Array]:
+    """A force at a share (0 to 1) of a length as a linear force per length of equal moment.
 
-    It has the same sum and moment. With q from q0 to q1 over a length L these are (q0 + q1) L / 2
-    and, about the first end, (q0 + 2 q1) L^2 / 6; so q0 = (4 F0 - 2 F1) / L, and q1 likewise. Where
-    one of them would pull, a triangle is left, three times as long as the resultant is away from
-    the other end. Returns begin and end as shares of the length, equal where all of it is in one
-    point, and the force per length there.
+    With q from q0 to q1 over a length L, the sum is F = (q0 + q1) L / 2 and the moment about the
+    first end is (q0 + 2 q1) L^2 / 6 = F s L; so q0 = (4 - 6 s) F / L, and q1 = (6 s - 2) F / L.
+    Where one of them would pull, a triangle is left, three times as long as the resultant is away
+    from the other end. Returns begin and end as shares of the length, equal where all of it is in
+    one point, and the forces per length there [2, n].
     """
-    total = first + second
-    share = second / np.where(total > 0, total, np.inf)
-    early, late = share < 1 / 3, share > 2 / 3
-    wide = np.where(early, 3 * share, np.where(late, 3 * (1 - share), 1.0))
-    top = 2 * total / (np.where((share == 0) | (share == 1), np.inf, wide) * length)
-    return (np.where(late, 1 - wide, 0.0), np.where(early, wide, 1.0),
-            np.where(early, top, np.where(late, 0.0, (4 * first - 2 * second) / length)),
-            np.where(late, top, np.where(early, 0.0, (4 * second - 2 * first) / length)))
+    begin, end = np.clip(3 * share - 2, 0.0, 1.0), np.clip(3 * share, 0.0, 1.0)
+    wide = np.where(begin < end, end - begin, np.inf)
+    place = (share - begin) / wide  # of the resultant
+    return begin, end, total / (wide * length) * np.clip([4 - 6 * place, 6 * place - 2], 0.0, None)
 
 
 class LineLoads(NamedTuple):
@@ -180,39 +169,30 @@ def line_loads(run: RunData, bodies: Sequence[int]) -> LineLoads:
     arrays = run.arrays
     on, force = contacts_on(run.model, arrays)
     rows = np.flatnonzero(np.isin(on, bodies) & (arrays["contact_merged"] > 1))
-    reach = np.array([_edges(run, rows, arrays[which][rows])
-                      for which in ("contact_body", "contact_other")])
-    low, high = reach[:, :, 0].max(axis=0), reach[:, :, 1].min(axis=0)
+    low, high = np.repeat([[-np.inf], [np.inf]], len(rows), axis=1)  # of both outlines [m]
+    for side in (arrays["contact_body"][rows], arrays["contact_other"][rows]):
+        for body in np.unique(side).tolist():
+            some = side == body
+            which = rows[some]
+            corners = shape_points(*run.mechanism.bodies[body].shapes)
+            pose = arrays["body_pose"][arrays["contact_sample"][which], body]
+            way = placed(pose[:, None], corners) - arrays["contact_point"][which][:, None]
+            nx, ny = arrays["contact_normal"][which].T[..., None]
+            on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= 2e-3 * float(
+                np.ptp(corners, axis=0).max())
+            along = way[..., 1] * nx - way[..., 0] * ny
+            low[some] = np.maximum(low[some], np.where(on_it, along, np.inf).min(axis=1))
+            high[some] = np.minimum(high[some], np.where(on_it, along, -np.inf).max(axis=1))
     flat = (low < 0) & (high > 0)
     rows, low, high = rows[flat], low[flat], high[flat]
     normal, point = arrays["contact_normal"][rows], arrays["contact_point"][rows]
     along = np.stack((-normal[:, 1], normal[:, 0]), axis=1)
     press, length = np.einsum("ij,ij->i", force[rows], normal), high - low
-    size, share = np.abs(press), -low / length
-    begin, end, q0, q1 = spread(size * (1 - share), size * share, length)
+    begin, end, load = spread(np.abs(press), -low / length, length)
     ends = np.stack([point + (low + at * length)[:, None] * along for at in (begin, end)], axis=1)
     # the force pushes into the body that it acts on: out of it is against that
     way = np.where(press > 0, -1.0, 1.0)[:, None] * normal
-    return LineLoads(arrays["contact_sample"][rows], ends, np.stack([q0, q1], axis=1), way)
-
-
-def _edges(run: RunData, rows: Integers, bodies: Integers) -> Array:
-    """From where to where outlines lie on contacts' lines, from their points on [k, 2] m."""
-    arrays, found = run.arrays, np.zeros((len(rows), 2))
-    for body in np.unique(bodies).tolist():
-        some = bodies == body
-        which = rows[some]
-        corners = shape_points(*run.mechanism.bodies[body].shapes)
-        pose = arrays["body_pose"][arrays["contact_sample"][which], body]
-        way = placed(pose[:, None], corners) - arrays["contact_point"][which][:, None]
-        nx, ny = arrays["contact_normal"][which].T[..., None]
-        on_it = np.abs(way[..., 0] * nx + way[..., 1] * ny) <= 2e-3 * float(
-            np.ptp(corners, axis=0).max())
-        along = way[..., 1] * nx - way[..., 0] * ny
-        ends = np.stack([np.where(on_it, along, np.inf).min(axis=1),
-                         np.where(on_it, along, -np.inf).max(axis=1)], axis=1)
-        found[some] = np.where(on_it.any(axis=1)[:, None], ends, 0.0)
-    return found
+    return LineLoads(arrays["contact_sample"][rows], ends, load.T, way)
 
 
 def add_pressure(s: Subject) -> None:
@@ -232,7 +212,6 @@ def add_pressure(s: Subject) -> None:
     s.out.tables["pressure"] = np.column_stack([
         found.sample, np.arange(len(first)) - first, found.ends.reshape(-1, 4),
         tops[:, ::-1].reshape(-1, 4), most])
-    factor, unit, decimals = scales.prefixed(scale.reference, "N/m")
     s.add("pressure", "strips", "pressure", t="pressure", s=("patch", "force", 1.2),
-          factor=factor, unit=unit, decimals=decimals, least=LABELLED * scale.reference)
+          written=(scale.reference, "N/m"), least=LABELLED * scale.reference)
     s.signs.add("patch")

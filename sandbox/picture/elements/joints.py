@@ -36,7 +36,7 @@ def add_joints(s: Subject) -> None:
     for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
         where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.bonds.joint[k]))}
-        if joints.kind[k].keeps == "groove":
+        if kind.keeps == "groove":
             _groove(s, k, where)
         if k in joints.frictional:
             s.add("pins", "mark", joints.name[k], rank=-1, at=s.on(b, on_b), g=["slides", "rubs"],
@@ -79,26 +79,24 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
 def add_grounds(s: Subject) -> None:
     """A ground symbol at each anchor of a fixed body that has no shape there."""
     model = s.run.model
-    found = {body: [at for at, nearest in pairs if math.dist(at, nearest) > FAR_FOOT * s.point]
-             for body, pairs in stalks(model).items() if model.bodies.fixed[body]}
-    found |= {i: points for i, points in joined_points(model, held=True).items()
-              if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes}
+    found = [(body, at) for body, at, nearest in stalks(model)
+             if model.bodies.fixed[body] and math.dist(at, nearest) > FAR_FOOT * s.point]
+    found += [(body, at) for body, points in joined_points(model, held=True).items()
+              if model.bodies.fixed[body] and not model.mechanism.bodies[body].shapes
+              for at in points]
     taken: list[XY] = []
-    for body, points in found.items():
-        for at in dict.fromkeys(points):
-            x, y = s.out.place([body, *at])[0].tolist()
-            if all(math.dist((x, y), other) > PILED * s.point for other in taken):
-                taken.append((x, y))
-                s.add("grounds", "mark", plane=s.plane(body), at=s.on(body, at), g="ground")
+    for body, at in dict.fromkeys(found):
+        x, y = s.out.place([body, *at])[0].tolist()
+        if all(math.dist((x, y), other) > PILED * s.point for other in taken):
+            taken.append((x, y))
+            s.add("grounds", "mark", plane=s.plane(body), at=s.on(body, at), g="ground")
 
 
 def stopping(s: Subject) -> Array:
     """Torques of the stops that act, 0 of others, [n, nj]."""
     torque, stopped = s.run.arrays["joint_stop"], s.run.model.joints.stopped
-    result = np.zeros(torque.shape)
-    result[:, stopped] = torque[:, stopped]
-    result[np.abs(result) <= 1e-4 * largest_size(torque)] = 0.0
-    return result
+    acts = np.isin(range(len(torque.T)), stopped) & (np.abs(torque) > 1e-4 * largest_size(torque))
+    return np.where(acts, torque, 0.0)
 
 
 def add_stops(s: Subject) -> None:
@@ -239,9 +237,8 @@ def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Arra
 def made_stiffer(s: Subject, drive: int, own: float) -> tuple[Array, Array]:
     """How a driven stiffness shows: from -1 to 1, 0 at the element's own; a factor of its width."""
     low, high = THICK
-    share = np.clip(s.run.arrays["drive_value"][:, drive] / own, low, high)
-    level = np.asarray(np.where(share > 1, np.log(share) / math.log(high),
-                                -np.log(share) / math.log(low)))
+    share = np.maximum(s.run.arrays["drive_value"][:, drive] / own, low)
+    level = np.interp(np.log(share), np.log([low, 1.0, high]), [-1.0, 0.0, 1.0])
     return level, 1 + np.where(level > 0, 1.2, 0.3) * level
 
 
@@ -284,6 +281,7 @@ def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
     drive, own = int(springs.drive[k]), float(springs.stiffness[k])
     look: dict[str, Any] = {"s": ("", "spring", COIL)}
     if drive != NONE and own:
+        s.signs.add("stiffer")
         level, wide = made_stiffer(s, drive, own)
         look = {"s": ("", "@stiffness", COIL), "by": s.out.varying(level),
                 "wide": s.out.varying(wide)}

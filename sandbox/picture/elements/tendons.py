@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -25,24 +24,21 @@ PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
 """Offsets of pump, tank, line [points]."""
 
 
-def arcs(normal: Array, senses: Sequence[int], on: Flags, *, closed: bool) -> tuple[Array, Array]:
+def arcs(normal: Array, senses: Integers, on: Flags, *, closed: bool) -> tuple[Array, Array]:
     """The angles [n, g] rad at which a tendon meets and leaves guides; NaN off the guide.
 
     ``normal`` are the angles left of its straight pieces, [n, g - 1] rad.
     """
-    meets, leaves = (np.zeros(on.shape) for _ in range(2))
-    opposite = np.where(np.array(senses) > 0, 0.0, np.pi)
-    meets[:, 1:], leaves[:, :-1] = normal + opposite[1:], normal + opposite[:-1]
-    meets[:, 0] = meets[:, -1] if closed else leaves[:, 0] + senses[0] * WOUND
+    meets, leaves = np.where(on, 0.0, np.nan), np.zeros(on.shape)
+    opposite = np.where(senses > 0, 0.0, np.pi)
+    meets[:, 1:] += normal + opposite[1:]
+    leaves[:, :-1] = normal + opposite[:-1]
+    meets[:, 0] += meets[:, -1] if closed else leaves[:, 0] + senses[0] * WOUND
     leaves[:, -1] = leaves[:, 0] if closed else meets[:, -1] - senses[-1] * WOUND
-    meets[~on] = np.nan
-    for g, sense in enumerate(senses):
-        there = np.isfinite(meets[:, g])
-        start = np.unwrap(meets[there, g])
-        sweep = (sense * (meets[there, g] - leaves[there, g])) % math.tau
-        sweep = np.where(sweep > math.tau - 0.02, sweep - math.tau, sweep)
-        meets[there, g], leaves[there, g] = start, start - sense * sweep
-    return meets, np.where(on, leaves, np.nan)
+    sweep = (senses * (meets - leaves) + 0.02) % math.tau - 0.02
+    for column, there in zip(meets.T, on.T, strict=True):
+        column[there] = np.unwrap(column[there])
+    return meets, meets - senses * sweep
 
 
 def add_cables(s: Subject) -> None:
@@ -66,7 +62,8 @@ def add_cables(s: Subject) -> None:
                 cable.collar(guide, slips[:, grip])
         for g in range(last):
             if not cable.radii[g]:
-                cable.add("mark", rank=2, at=cable.points[g], g="eye", shown=cable.shown)
+                cable.add("mark", rank=2, at=cable.points[g], g="eye",
+                          shown=s.during(cable.hold))
 
 
 class _Cable:
@@ -78,42 +75,36 @@ class _Cable:
         self.s, self.closed, self.name = s, spec.closed, tendons.name[k]
         bodies = tendons.guide_body[where].tolist()
         self.radii = [short(guide.radius) for guide in path]
-        self.senses = [1 if guide.side == "right" else -1 for guide in path]
+        self.senses = np.array([1 if guide.side == "right" else -1 for guide in path])
         self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
         self.add = partial(s.add, "cables", plane=s.plane(*bodies))
         self.hold = held_of(int(s.run.model.bonds.tendon[k]), s.run.arrays["held"])
-        self.shown = None if self.hold.all() else s.steady(self.hold)
         self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
         self.on[:, list(spec.lifting)] = ~off
         drive = int(tendons.stiffener[k])
         self.wide = None if drive == NONE else s.out.varying(
             made_stiffer(s, drive, float(tendons.stiffness[k]))[1])
-        self.places: list[Array] = []
-        self.meets = self.leaves = np.zeros(self.on.shape)
-        if tendons.gripped(k).size or any(self.radii) or not self.on.all():
-            self.places = [s.out.place(point) for point in self.points]
-            self.meets, leaves = arcs(normal, self.senses, self.on, closed=self.closed)
-            self.leaves = leaves - np.array(self.senses) * math.tau * (
-                tendons.guide_turns[where] > 0)
+        self.places = [s.out.place(point) for point in self.points]
+        self.meets, leaves = arcs(normal, self.senses, self.on, closed=self.closed)
+        self.leaves = leaves - self.senses * math.tau * (tendons.guide_turns[where] > 0)
         self.middle = (self.meets + self.leaves) / 2
 
     def guide(self, g: int, meets: Array, leaves: Array, at: Point | None = None) -> list[Any]:
         """A guide as a taut item has it."""
-        base = [*(at or self.points[g]), self.radii[g], self.senses[g]]
+        base = [*(at or self.points[g]), self.radii[g], int(self.senses[g])]
         if at is None and not self.radii[g] and self.on[:, g].all():
             return base
         return [*base, self.s.out.varying(meets), self.s.out.varying(leaves)]
 
     def line(self, guides: list[Any], stretch: int, closed: int | None = None,
-             there: Flags | None = None) -> None:
+             there: Flags | bool = True) -> None:
         s = self.s
         share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
-        slack, shown = share <= SLACK_FRACTION, self.shown
-        if there is not None and not there.all():
-            shown = s.steady(there & self.hold)
+        slack = share <= SLACK_FRACTION
         self.add("taut", self.name, rank=float(np.mean(share)) - 1, p=guides, c=closed,
                  s=[("", "@load", 2.4), ("", "slack", 1.8, 5)], state=s.steady(slack),
-                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide, shown=shown)
+                 by=s.steady(np.where(slack, 0.0, share)), wide=self.wide,
+                 shown=s.during(self.hold & there))
 
     def pieces(self, stretches: Integers) -> None:
         """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
@@ -133,13 +124,13 @@ class _Cable:
             self.line([start, end], stretches[g], there=self.on[:, g])
 
     def collar(self, guide: int, slips: Flags) -> None:
-        s, at, there = self.s, self.points[guide], self.on[:, guide] & self.hold
+        s, at = self.s, self.points[guide]
         if radius := self.radii[guide]:
             angle = self.middle[:, guide]
             at = s.out.spot(self.places[guide] + radius * np.column_stack(
                 (np.cos(angle), np.sin(angle))))
         self.add("mark", rank=1, at=at, state=s.steady(~slips), g=["slides", "rubs"],
-                 shown=None if there.all() else s.steady(there))
+                 shown=s.during(self.on[:, guide] & self.hold))
 
 
 def largest_pressure(run: RunData) -> float:
@@ -241,7 +232,6 @@ class _Fluids:
             self.put("mark", valves.name[valve], rank=2, at=way.at(way.length / 2),
                      turn=s.out.varying(way.angle), g=["shut", "open"],
                      state=s.steady(flow[:, valve] != 0.0))
-            s.signs |= {"open", "shut"}
 
     def pumps(self) -> None:
         """Sources of flow or pressure beside their lines, with their values."""
