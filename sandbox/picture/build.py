@@ -111,7 +111,7 @@ def _seen(s: Subject) -> set[str]:
         "slack": bool(slack.any()), "stop": bool(joints.stopping(s)[some].any()),
         "holds": bool(held.any()), "gone": not held.all(),
         "cut": any(s.largest_arrow(item["t"]) > item["most"] for item in s.out.items
-                   if item["k"] == "arrows")}
+                   if item["k"] == "arrows" and item["l"] == "contacts")}
     return {sign for sign, shown in found.items() if shown}
 
 
