@@ -4,6 +4,7 @@ const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
 const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
+const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
 const CIRCLE = { c: [0, 0, 0, 0] };
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
@@ -76,12 +77,16 @@ class Stage {
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
-    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, this.list.items, ...this.layers];
+    const kept = [w, h, dpr, this.stamp.length, this.night, this.list.items, ...this.layers];
     if (!alike(kept, this.kept)) {                        // all that is worked out once until one of these changes
-      Object.assign(this, { kept, rows: this.legend(), patterns: {}, looks: [], glyphs: {}, widths: new Map(),
+      Object.assign(this, { kept, lines: 1, legendAt: null, patterns: {}, looks: [], glyphs: {}, widths: new Map(),
                             shown: this.list.items.filter((item) => this.layers.has(item.l)) });
     }
-    this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
+    if (this.legendAt !== this.scale) {                   // its lines do not become fewer, since that would change the scale again
+      Object.assign(this, { legendAt: this.scale, rows: this.legend(), turned: new Map() });
+      this.lines = Math.max(this.lines, this.rows.length);
+    }
+    this.foot = h - Math.floor((h - (1.5 * this.lines + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
     const fitted = v.width ? Math.min(w / v.width, room * v.aspect / v.width)
@@ -271,7 +276,7 @@ class Stage {
     if (!place || this.value(place[1]) <= 0.5) return;
     const texts = item.texts ??= {};
     text = texts[key] = (this.keepTexts && texts[key]) || text;
-    this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
+    this.words.push({ text, tip, place, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
   }
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
@@ -282,15 +287,24 @@ class Stage {
     ctx.globalAlpha = 0.6;                                // of lines to labels farther off
     this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
-    for (const { text, tip, side, ink, clear, number } of this.words) {
+    for (const { text, tip, place, side: own, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
-      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
-      const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
-      const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
-      if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) continue;
-      taken.push({ x, y, w, text, ink });
+      const w = this.widthOf(text) / 2, h = 0.55 * this.text;
+      const spot = (side) => {                            // null if it would be outside, or on another one
+        const [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear, wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
+        const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
+        if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) return null;
+        return { x, y, w, text, ink, line: far && [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]] };
+      };
+      let at = spot(this.turned.get(place) ?? own);
+      if (!at && place && !this.turned.has(place)) {      // once, so that it does not jump: the side with room that is nearest to its own
+        const other = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12].map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = spot(side)));
+        if (at) this.turned.set(place, other);
+      }
+      if (!at) continue;
+      taken.push(at);
       numbers += number ? 1 : 0;
-      if (far) polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
+      if (at.line) polyline(this.pen(null, ink, 1), at.line);
     }
     this.flush();
     Object.assign(ctx, { globalAlpha: 1, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back });
@@ -302,30 +316,36 @@ class Stage {
     if (!this.widths.has(text)) this.widths.set(text, this.ctx.measureText(text.replace(/\d/g, "0")).width);
     return this.widths.get(text);
   }
-  legend() {                                              // rows of entries that fit: {row, symbol, words, width}
-    const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
-    ctx.font = `600 ${this.text}px ${FONT}`;
-    const room = ctx.measureText(`${this.stamp}00`).width + 2 * this.text;
-    ctx.font = `${this.text}px ${FONT}`;
-    let used = Infinity;
-    const shown = this.list.legend.filter((row) => this.layers.has(row.l));
-    for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
-      let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
+  legend() {                                              // rows of {row, lead, symbol, before, after, needs}: of all entries, or of the first ones
+    const all = this.list.legend.filter((row) => this.layers.has(row.l)), wanted = all.filter((one, k) => all[k + 1]?.instead !== one.l);
+    const most = clamp(Math.floor((LEGEND * this.h / this.text - 0.6) / 1.5), 1, 3);
+    for (;; wanted.pop()) {
+      for (const [count, share] of [[2, 1], [2, 0.5], [3, 1], [3, 0.5]]) {
+        const found = this.arranged(wanted, Math.min(count, most), share);
+        if (found) return found;
+      }
+    }
+  }
+  arranged(legend, count, share) {                        // each in the first row with room, or null; symbols have a share of their width
+    const { ctx, u, scale, text } = this, width = this.w - 2 * text;
+    ctx.font = `600 ${text}px ${FONT}`;
+    const stamp = ctx.measureText(`${this.stamp}00`).width + 2 * text;
+    const rows = Array.from({ length: count }, (_, k) => ({ room: k ? width : width - stamp, entries: [] }));
+    ctx.font = `${text}px ${FONT}`;
+    for (const row of legend) {
+      let symbol = row.k === "ramp" ? share * 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
-        const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
-        symbol = size * row.metres * (this.scale || 0);
+        const size = roundLength(share * (row.size ? 52 : 80) * u / (row.metres * scale || 1));
+        symbol = size * row.metres * (scale || 0);
         after = row.size ? `${+size.toPrecision(6)} ${row.unit} ${row.words}` : lengthText(size);
       }
       const before = row.before || "", lead = before ? ctx.measureText(before).width + 5 * u : 0, needs = lead + symbol + ctx.measureText(after).width + 22 * u;
-      if (used + needs > width - (rows.length === 1 ? room : 0)) {
-        if (rows.length === (this.small ? 1 : 2)) continue;
-        rows.push([]); used = 0;
-        if (needs > width - room) continue;
-      }
-      rows[rows.length - 1].push({ row, lead, symbol, before, after, needs });
-      used += needs;
+      const free = rows.find(({ room }) => needs <= room);
+      if (!free) return null;
+      free.entries.push({ row, lead, symbol, before, after, needs });
+      free.room -= needs;
     }
-    return rows.filter((row) => row.length);
+    return rows.map(({ entries }) => entries).slice(0, 1 + rows.findLastIndex(({ entries }) => entries.length));
   }
   strip() {                                               // the legend and the time
     const { ctx, w, h, foot, text, u } = this, faint = this.ink("faint_ink");
