@@ -54,7 +54,8 @@ function indexNear(times, t, row = times) {
 class Replay {
   constructor(head, data) {
     this.head = head; this.data = data; this.time = data.t[0];
-    this.first = this.time[0]; this.last = this.time[this.time.length - 1];
+    this.first = this.time[0] <= (1 + 1e-9) / head.words.rate ? 0 : this.time[0];   // a sample is taken within a step: none lies at the start
+    this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest); this.values = new Float64Array(head.columns);   // of the last frame
     this.steady = new Set(head.list.steady);
     this.tables = Object.fromEntries(Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
@@ -117,14 +118,14 @@ function nearest(text, names) {                           // by pairs of letters
   return names[shares.indexOf(most)] ?? "";
 }
 
-// The words that names have in common at their begin and end.
+// The words that names have in common at their begin and end: cut() takes them from a name; as a pattern they are the title, if there are any.
 function common(names) {
   const words = names.map((n) => n.split(".")), least = Math.min(...words.map((w) => w.length)) - 1;
   let a = 0, b = 0;
   while (a < least && words.every((w) => w[a] === words[0][a])) a++;
   while (b < least - a && words.every((w) => w[w.length - 1 - b] === words[0][words[0].length - 1 - b])) b++;
   const cut = (name) => name.split(".").slice(a, b ? -b : undefined).join(".");
-  return { cut, title: [...words[0].slice(0, a), ...(b ? words[0].slice(-b) : [])].join(".") };
+  return { cut, title: names.length === 1 ? names[0] : a + b ? [...words[0].slice(0, a), "*", ...(b ? words[0].slice(-b) : [])].join(".") : "" };
 }
 
 const fixedText = (value, decimals) => {                  // without a negative 0

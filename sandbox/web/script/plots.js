@@ -62,7 +62,7 @@ function tickTexts(ticks) {
 // dashes) belong together; `least` is that of spanOf(). at(t) moves the cursor.
 function plot(parent, { title, unit: unitName, names, short: words = names.map(common(names).cut), time, rows, seek, close, bands = [],
                         least = 0, range, number, inks = names.map((_, i) => [i, 0]) }) {
-  title ||= names.length === 1 ? names[0] : common(names).title;
+  title ||= common(names).title;
   const box = el("figure", { className: number ? "plot number" : "plot", role: "img", ariaLabel: `plot of ${names.join(", ")}` });
   const what = el("span"), values = el("output"), several = names.length > 1;
   const dashes = inks.map(([, dash]) => DASHES[dash % DASHES.length]), solid = inks.flatMap((_, i) => (dashes[i] ? [] : [i]));

@@ -23,22 +23,31 @@ class Series extends Map {                                // quantities of one r
   }
 }
 
+function marksOf(heads) {                                 // events and failed expectations, in order; those without a window are at the end
+  return heads.flatMap(({ words }) => [
+    ...words.events.map((e) => ({ t: e.t, text: `${e.name} at ${short(e.t)} s`, bad: false })),
+    ...words.expect.filter((v) => !v.ok).map((v) => ({ t: v.over ? v.over[1] : Infinity,
+      text: `${v.quantity} ${v.statistic}: ${v.reason || "out of its range"}`, bad: true }))])
+    .sort((a, b) => a.t - b.t);
+}
+
 class Report extends Viewer {
   constructor(root, heads, datas) {
+    const marks = marksOf(heads);
     super(POINTER, [
       ["space", "play or pause", { " ": () => this.toggle() }],
       ["left, right", "one sample back or on; with shift ten", { ArrowLeft: (e) => this.go(-1, e), ArrowRight: (e) => this.go(1, e) }],
       ["home, end", "first or last instant", { Home: () => this.hold(this.first), End: () => this.hold(this.last) }],
-      ["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }],
-      ["l", "loop", { l: () => this.loops.click() }], ["g", "side by side or over each other", { g: () => this.layer && this.lay() }]]);
+      ...(marks.length ? [["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }]] : []),
+      ["l", "loop", { l: () => this.loops.click() }],
+      ...(heads.length > 1 ? [["g", "side by side or over each other", { g: () => this.lay() }]] : [])]);
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
-    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, over: false });
+    Object.assign(this, { heads, head: heads[0], marks, plots: [], t: 0, drawn: 0, playing: false, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
     this.last = Math.max(...this.replays.map((r) => r.last));
     this.step = Math.min(...heads.map((h) => 1 / h.words.rate));
-    this.sheets.dataset.runs = heads.length;
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
     root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters),
@@ -114,16 +123,9 @@ class Report extends Viewer {
     if (this.playing) requestAnimationFrame((next) => this.tick(next));
     else if (this.filming) this.filming.stop();
   }
-  marks() {
-    return this.heads.flatMap((head) => [
-      ...head.words.events.map((e) => ({ t: e.t, text: `${e.name} at ${short(e.t)} s`, bad: false })),
-      ...head.words.expect.filter((v) => !v.ok).map((v) => ({ t: v.over ? v.over[1] : this.last,
-        text: `${v.quantity} ${v.statistic}: ${v.reason || "out of its range"}`, bad: true }))])
-      .sort((a, b) => a.t - b.t);
-  }
   jump(way) {
-    const times = this.marks().map((m) => m.t);
-    const next = way > 0 ? times.find((t) => t > this.t + 1e-6) : times.reverse().find((t) => t < this.t - 1e-6);
+    const times = this.marks.map((m) => Math.min(m.t, this.last));
+    const next = way > 0 ? times.find((t) => t > this.t + 1e-6) : times.findLast((t) => t < this.t - 1e-6);
     if (next !== undefined) this.hold(next);
   }
 
@@ -132,7 +134,7 @@ class Report extends Viewer {
     this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any", ariaLabel: "time",
                                oninput: () => this.hold(+this.scrub.value) });
     const track = el("div", { className: "track" }, this.scrub), span = this.last - this.first || 1;
-    for (const mark of this.marks()) {
+    for (const mark of this.marks) {
       const tick = el("i", { className: mark.bad ? "mark bad" : "mark", title: mark.text });
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
       track.append(tick);
@@ -154,7 +156,7 @@ class Report extends Viewer {
   }
   lay() {
     this.over = !this.over;
-    this.sheets.dataset.over = this.over ? "1" : "";
+    this.sheets.classList.toggle("over", this.over);
     this.layer.textContent = this.over ? "side by side" : "over each other";
     this.redraw();
   }
@@ -165,7 +167,7 @@ class Report extends Viewer {
   }
 
   // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
-  open(names, title) {
+  open(names, title = "") {
     const plots = this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => parted(all, MOST_CURVES));
     for (const some of plots.slice(0, MOST_PLOTS)) {
       const there = this.plots.find((p) => p.key === some.join(" "));
@@ -194,7 +196,7 @@ class Report extends Viewer {
     const [time, ...rows] = tables.length > 1 ? uPlot.join(tables, tables.map((t) => t.map(() => 2))) : tables[0];
     const bands = names.length === 1 ? this.bands(names[0]) : [], unit = this.series.find((s) => s.has(names[0])).unit(names[0]);
     const made = plot(this.meters, {
-      title: title || (names.length === 1 ? names[0] : alike.title), unit, range, number,
+      title: title || alike.title, unit, range, number,
       names: labels, short: words, time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
       bands, inks, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
     this.plots.push(Object.assign(made, { key: names.join(" "), bands }));
@@ -226,15 +228,15 @@ class Report extends Viewer {
     const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
     for (const meter of meters) {
       const names = meter.names.filter((name) => every.includes(name));
-      if (names.length) offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, meter)]);
+      if (names.length) offers.push([meter.title || common(names).title || names.join(", "), () => this.openOne(names, meter)]);
     }
     const shown = new Set(meters.flatMap((meter) => meter.names)), most = this.heads.length > 1 ? 2 : MOST_CURVES;
-    const lastWord = (name) => name.slice(name.lastIndexOf(".") + 1);
-    for (const names of this.grouped(plots.filter((name) => !shown.has(name)), (name, of) => `${of.unit(name)} ${lastWord(name)}`)) {
-      for (const [i, some] of parted(names, most).entries()) {
-        const title = some.length > 1 ? lastWord(some[0]) : "";
-        offers.push([title ? `${title}${i ? ` ${i + 1}` : ""}` : some[0], () => this.open(some, title)]);
-      }
+    for (const names of this.grouped(plots.filter((name) => !shown.has(name)), (name, of) => `${of.unit(name)} ${name.split(".").at(-1)}`)) {
+      const parts = parted(names, most), kinds = parts.map(common), alike = new Set(kinds.map(({ title }) => title)).size < parts.length;
+      parts.forEach((some, i) => {
+        const which = some.length > 2 ? `${i + 1} of ${parts.length}` : some.map(kinds[i].cut).join(", ");
+        offers.push([kinds[i].title + (alike && some.length > 1 ? ` (${which})` : ""), () => this.open(some)]);
+      });
     }
     for (const [title, open] of offers.slice(0, MOST_PLOTS)) {
       if (this.plots.length < AT_FIRST) { open(); continue; }

@@ -171,7 +171,7 @@ class Viewer {                                            // base class; subclas
   move(x, y) { for (const { pan } of this.stages) { pan[0] += x; pan[1] += y; } this.redraw(); }
   picture() {
     const canvas = el("canvas");
-    drawAll(this.stages, canvas);
+    drawAll(this.sheets, canvas);
     canvas.toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
   }
   record(begin = () => {}) {                              // begin or end a film
@@ -179,7 +179,7 @@ class Viewer {                                            // base class; subclas
     const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) => globalThis.MediaRecorder?.isTypeSupported(k));
     if (!type) { this.film.textContent = "no film in this browser"; return; }
     begin();
-    const canvas = el("canvas"), size = drawAll(this.stages, canvas), pieces = [];
+    const canvas = el("canvas"), size = drawAll(this.sheets, canvas), pieces = [];
     const recorder = new MediaRecorder(canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
     recorder.ondataavailable = (e) => pieces.push(e.data);
     recorder.onstop = () => {
@@ -188,7 +188,7 @@ class Viewer {                                            // base class; subclas
       this.film.textContent = "film";
     };
     recorder.start();
-    this.filming = { frame: () => drawAll(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
+    this.filming = { frame: () => drawAll(this.sheets, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
 }
@@ -209,27 +209,22 @@ function finder(what, every, found, missed) {
   return el("div", { className: "adder" }, input, list);
 }
 
-// Draw all stages under their names on one canvas, of a given size for the frames of a film.
-function drawAll(stages, canvas, size = null) {
-  const boxes = stages.map((s) => s.canvas.parentElement.getBoundingClientRect());
-  const [left, top] = [Math.min(...boxes.map((b) => b.left)), Math.min(...boxes.map((b) => b.top))];
-  const [right, bottom] = [Math.max(...boxes.map((b) => b.right)), Math.max(...boxes.map((b) => b.bottom))];
-  const dpr = stages[0].canvas.width / stages[0].canvas.clientWidth || 1;
-  const [w, h] = size || [right - left, bottom - top].map((v) => 2 * Math.ceil(v * dpr / 2));   // films want even sides
+// Draw all pictures and their names as they stand in a box on one canvas, of a given size for the frames of a film.
+function drawAll(box, canvas, size = null) {
+  const all = box.getBoundingClientRect();
+  const [w, h] = size || [all.width, all.height].map((v) => 2 * Math.ceil(v * (devicePixelRatio || 1) / 2));   // films want even sides
   if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
-  const ctx = canvas.getContext("2d"), k = Math.min(w / (right - left), h / (bottom - top));
+  const ctx = canvas.getContext("2d"), k = Math.min(w / all.width, h / all.height);
   ctx.setTransform(1, 0, 0, 1, 0, 0);
-  ctx.fillStyle = stages[0].back; ctx.fillRect(0, 0, w, h);
-  ctx.setTransform(k, 0, 0, k, -k * left, -k * top);
-  for (const { canvas: one } of stages) {
-    const name = one.parentElement.querySelector("h2"), box = one.getBoundingClientRect();
-    if (name) {
-      const at = name.getBoundingClientRect(), style = getComputedStyle(name), bar = parseFloat(style.borderLeftWidth);
-      ctx.fillStyle = style.borderLeftColor; ctx.fillRect(at.left, at.top, bar, at.height);
-      ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
-      ctx.fillText(name.textContent, at.left + bar + 6, at.top + at.height / 2, at.width - bar - 6);
-    }
-    if (box.width) ctx.drawImage(one, box.left, box.top, box.width, box.height);
+  ctx.fillStyle = getComputedStyle(box.parentElement).backgroundColor; ctx.fillRect(0, 0, w, h);
+  ctx.setTransform(k, 0, 0, k, -k * all.left, -k * all.top);
+  for (const one of box.querySelectorAll("h2, canvas")) {
+    const { left, top, width, height } = one.getBoundingClientRect(), style = getComputedStyle(one), bar = parseFloat(style.borderLeftWidth);
+    if (!width) continue;
+    if (one.getContext) { ctx.drawImage(one, left, top, width, height); continue; }
+    ctx.fillStyle = style.borderLeftColor; ctx.fillRect(left, top, bar, height);
+    ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
+    ctx.fillText(one.textContent, left + bar + 6, top + height / 2, width - bar - 6);
   }
   return [w, h];
 }
