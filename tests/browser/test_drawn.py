@@ -58,7 +58,7 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
     """Without the items of one kind the picture differs; what is picked is an element's name."""
     run = zoo()
     tab = opened(report([run]))
-    for layer in tab.evaluate("sandbox.heads[0].layers.map((l) => l.name)"):
+    for layer in tab.evaluate("sandbox.head.layers.map((l) => l.name)"):
         tab.evaluate("(name) => sandbox.stages[0].layers.add(name)", layer)
     tab.evaluate("sandbox.hold(0.3)")
     for scheme in ("light", "dark"):
@@ -97,7 +97,7 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
 def test_a_trace_is_the_way_that_was_gone(tab, run):
     (body, x, y), way = tab.evaluate("""() => {
       const item = sandbox.stages[0].list.items.find((one) => one.k === "trail");
-      return [item.at, [...sandbox.replays[0].way(item)]];
+      return [item.at, [...sandbox.runs[0].way(item)]];
     }""")
     px, py, angle = run.arrays["body_pose"][:, body].T
     c, s = np.cos(angle), np.sin(angle)

@@ -164,7 +164,7 @@ def test_the_pointer_tells_opens_plots_zooms_and_moves(opened, page):
     box.fill("finger*.angle")  # more than a plot of eight curves can show
     box.press("Enter")
     curves = tab.evaluate("sandbox.plots.flatMap((p) => p.key.split(' '))")
-    angles = fnmatch.filter(tab.evaluate("[...sandbox.series[0].keys()]"), "finger*.angle")
+    angles = fnmatch.filter(tab.evaluate("[...sandbox.runs[0].keys()]"), "finger*.angle")
     assert len(angles) > 8
     assert set(angles) <= set(curves)
     box.fill("finger2.mcp.angel")

@@ -25,23 +25,8 @@ function fold(title, ...kids) {
   return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed) if it is chosen.
-function speedBox(set = () => {}) {
-  const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
-  box.take = (speed) => {
-    const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
-    box.replaceChildren(...all.map((v) => el("option", { value: String(v), textContent: `${v}\u00d7` })));
-    box.value = String(speed);
-  };
-  box.faster = (way) => {
-    box.selectedIndex = clamp(box.selectedIndex + way, 0, box.length - 1);
-    box.onchange();
-  };
-  return box;
-}
-
 const STEP = 40;                                          // by which a key moves a picture [px]
-class Viewer {                                            // base class; subclasses have stages, plots, head, t, speeds, playing and redraw()
+class Viewer {                                            // base class; subclasses have stages, plots, head, t and redraw(), and may have setSpeed(speed)
   constructor(pointer, keys) {                            // keys: [names, words, {key: act}]
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
@@ -52,7 +37,8 @@ class Viewer {                                            // base class; subclas
       for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
       this.redraw();
     } });
-    keys.push(["[ and ]", "slower, faster", { "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1) }],
+    this.speeds = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => this.setSpeed?.(+this.speeds.value) });
+    keys.push(["[ and ]", "slower, faster", { "[": () => this.faster(-1), "]": () => this.faster(1) }],
       ["+, -", "zoom", { "+": () => this.zoom(1.25), "-": () => this.zoom(0.8) }],
       [", . up, down", "move the picture", { ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0),
                                              ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP) }],
@@ -61,11 +47,8 @@ class Viewer {                                            // base class; subclas
     this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
       ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
-    this.listen(Object.assign({}, ...keys.map(([,, acts]) => acts)));
-  }
-  listen(acts) {                                          // to keys, light and dark
     addEventListener("keydown", (e) => {
-      const on = (what) => e.target.matches?.(what), act = acts[e.key];
+      const on = (what) => e.target.matches?.(what), act = keys.find(([,, acts]) => e.key in acts)?.[2][e.key];
       if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
       if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
       if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // moves the slider
@@ -76,6 +59,15 @@ class Viewer {                                            // base class; subclas
       for (const one of [...this.stages, ...this.plots]) one.dress();
       this.redraw();
     });
+  }
+  offerSpeed(speed) {                                     // one of SPEEDS, or one more
+    const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
+    this.speeds.replaceChildren(...all.map((value) => el("option", { value, textContent: `${value}\u00d7` })));
+    this.speeds.value = speed;
+  }
+  faster(way) {
+    this.speeds.selectedIndex = clamp(this.speeds.selectedIndex + way, 0, this.speeds.length - 1);
+    this.speeds.onchange();
   }
   // Wheel zooms at the pointer, drag pans, double click fits, two fingers pinch. grab(pick, x, y) of a subclass
   // may take a drag for itself and answers with {move, drop}.

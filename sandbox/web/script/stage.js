@@ -6,7 +6,6 @@ const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
 const CIRCLE = { c: [0, 0, 0, 0] };
-const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
@@ -133,7 +132,7 @@ class Stage {
   fit() { this.zoom = 1; this.pan = [0, 0]; }
 
   // -- one frame ------------------------------------------------------------------------------------
-  draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}
+  draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}; ghosts: {list, frame, colour}
     const { ctx } = this;
     this.frame = frame; this.pose = frame.pose; this.values = frame.values;
     this.resize();
@@ -155,24 +154,18 @@ class Stage {
     const { edge, width, dash } = this.look(item);
     LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
-  ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
-    const { ctx, pose, values } = this;
-    this.pose = frame.pose; this.values = frame.values;
-    this.flush();
-    for (const item of head.list.items) {
-      if (item.k !== "path" || !this.layers.has(item.l) || this.list.styles[item.s]?.[4]) continue;
-      const path = this.path(item);
-      this.place(item.f);
-      ctx.fillStyle = `${colour}18`; ctx.fill(path, item.m ? "nonzero" : "evenodd");
-      this.stroke(path, colour, 1.2 * this.u / this.scale);
-    }
-    this.pose = pose; this.values = values;
+  ghost({ list, frame, colour }) {                        // areas of another run, in its colour
+    const { pose, values } = this;
+    Object.assign(this, { pose: frame.pose, values: frame.values, tint: { fill: `${colour}18`, edge: colour, width: 1.2 * this.u, dash: 0 } });
+    for (const item of list.items) if (item.k === "path" && this.layers.has(item.l) && this.on(item) && !list.styles[item.s]?.[4]) PAINT.path(this, item);
+    Object.assign(this, { pose, values, tint: null });
   }
   value(v) { return typeof v === "number" ? v : this.values[v[0]]; }
   choice(item, all) {                                     // of a list, the one that the item's state picks
     return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
   }
   look(item) {                                            // {fill, edge, width, dash [px], hatched}
+    if (this.tint) return this.tint;
     const number = this.choice(item, item.s), lit = item.n && this.hover?.n === item.n;
     if (item.by === undefined && item.wide === undefined && !lit) return this.looks[number] ??= this.lookOf(this.list.styles[number], 0, this.thin);
     const by = item.by === undefined ? 0 : this.value(item.by), wide = item.wide === undefined ? 1 : this.value(item.wide);
