@@ -189,7 +189,7 @@ def test_a_new_beginning_keeps_the_camera_and_a_divergence_is_told(crank):
 def test_every_layer_is_shown_on_a_phone_in_the_dark(served, scene):
     tab = served(scene, **PHONE)
     assert tab.evaluate("document.documentElement.scrollWidth <= screen.width")
-    assert tab.evaluate("sandbox.stage.dark")
+    assert tab.evaluate("sandbox.stage.night")
     tab.get_by_text("layers", exact=True).click()
     for box in tab.locator("[data-layer]").all():
         box.check()

@@ -56,7 +56,7 @@ function indexNear(times, t, row = times) {
 class Run extends Map {
   constructor(head, data) {
     super(head.series.map((one) => [one.name, one]));
-    const [time] = data.t, tables = Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`], time.length)]);
+    const [time] = data.t, tables = Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`])]);
     Object.assign(this, { head, data, time, tables, times: data.ptime[0], last: time.at(-1), ways: new Map(), steady: new Set(head.list.steady) });
     this.first = time[0] <= (1 + 1e-9) / head.words.rate ? 0 : time[0];   // a sample is taken within a step: none lies at the start
     this.pose = Float64Array.from(head.rest); this.values = new Float64Array(head.columns);   // of the last frame
@@ -79,7 +79,7 @@ class Run extends Map {
       for (let q = 0; q < 3; q++) pose[3 * moving[m] + q] = between(data.pose[3 * m + q]);
     }
     for (let k = 0; k < values.length; k++) values[k] = this.steady.has(k) ? data.columns[k][near] : between(data.columns[k]);
-    const tables = Object.fromEntries(this.tables.map(([name, rows]) => [name, rows[near]]));
+    const tables = Object.fromEntries(this.tables.map(([name, rows]) => [name, rows.get(near)]));
     return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
   way({ at: [f, x, y] }) {                                // of a point, x and y in turn
@@ -95,24 +95,19 @@ class Run extends Map {
   }
 }
 
-function rowsOf(columns, n) {                             // rows by sample, which is their first column
-  const found = Array.from({ length: n }, () => []);
-  if (columns) for (let i = 0; i < columns[0].length; i++) found[columns[0][i]].push(columns.map((c) => c[i]));
-  return found;
-}
+// Rows by sample, which is their first column.
+const rowsOf = (columns) => Map.groupBy(Array.from(columns?.[0] || [], (_, i) => columns.map((c) => c[i])), ([sample]) => sample);
 
-// A pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab].
-function globbed(pattern) {
+// The names that match a pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab]. Those of pairs need a / in it, and match in
+// either order.
+function matching(pattern, names) {
   const text = pattern.replace(/\[(!?)([^][^\]]*)\]|[^]/g, (all, not, some) => (
     some ? `[${not && "^"}${some.replace(/[\\[\]^]/g, "\\$&")}]`
       : all === "*" ? "[^]*" : all === "?" ? "[^]" : all.replace(/[.+^${}()|[\]\\]/, "\\$&")));
-  try { return new RegExp(`^${text}$`, "u"); } catch { return /^[]$/; }   // such as [f-a]: none
-}
-
-// The names that match a pattern. Names of pairs need a / in it, and match in either order.
-function matching(pattern, names) {
   if (names.includes(pattern)) return [pattern];
-  const fits = globbed(pattern), pairs = pattern.includes("/");
+  let fits = /^[]$/;                                      // none, as of [f-a]
+  try { fits = new RegExp(`^${text}$`, "u"); } catch { /* no range */ }
+  const pairs = pattern.includes("/");
   const swapped = (name) => name.replace(/^(.*)\/(.*)\.([^.]*)$/, "$2/$1.$3");
   return names.filter((name) => (name.includes("/") ? pairs && (fits.test(name) || fits.test(swapped(name)))
     : fits.test(name)));
@@ -147,19 +142,18 @@ const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math
 // A value of a quantity that grows up to `most`, with as many decimals as all its values.
 const steady = (v, most) => (v === null || !Number.isFinite(v) || !(most >= 1e-3 && most < 1e5) ? short(v)
   : v.toFixed(clamp(3 - Math.floor(Math.log10(most)), 0, 6)).replace(/^-(0\.?0*)$/, "$1"));
-const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
 // Factor from SI, unit, and suffix of a number, as in figures (figure/style.py: shown_as), for values up to `most`.
 function shownAs(unitName, most) {
   if (unitName === "rad") return { factor: 180 / Math.PI, unit: "deg", sign: "\u00b0" };
   if (unitName === "rad/s") return { factor: 180 / Math.PI, unit: "deg/s", sign: " deg/s" };
   if (unitName === "m" && most < MANY_MM) return { factor: 1e3, unit: "mm", sign: " mm" };
-  return { factor: 1, unit: unitName === "1" ? "" : unitName, sign: unitText(unitName) };
+  const unit = unitName === "1" ? "" : unitName;
+  return { factor: 1, unit, sign: unit && ` ${unit}` };
 }
 
 // The largest absolute value; 0 if there is none.
 const sizeOfRow = (row) => row.reduce((most, v) => (Math.abs(v) > most ? Math.abs(v) : most), 0);
-const sizeOfRows = (rows) => Math.max(0, ...rows.map(sizeOfRow));
 
 function textOf(value, row, unitName) {                   // of a row, with its unit, as in its plot
   const most = sizeOfRow(row), { factor, sign } = shownAs(unitName, most);

@@ -5,10 +5,7 @@ const LINES = {
   span(s, item, path) {                                   // a pattern between two points
     const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t } = item, { u } = s;
     const draw = (from, along, across) => {
-      for (let i = 0; i < t.length; i += 2) {
-        const w = from + t[i] * along, v = t[i + 1] * across, x = a[0] + w * ex + v * ey, y = a[1] + w * ey - v * ex;
-        if (i) path.lineTo(x, y); else path.moveTo(x, y);
-      }
+      subpath(path, { l: t }, 0, a[0] + from * ex, a[1] + from * ey, along * ex, along * ey, across * ey, -across * ex);
     };
     if (item.every) for (let k = 1; k < Math.min(2000, d / (item.every * u)); k++) draw(k * item.every * u, u, u);
     else draw(0, d, clamp(item.w[0] * d, item.w[1] * u, item.w[2] * u));
@@ -70,7 +67,12 @@ const PAINT = {
     for (const [row, tail, tip, size] of s.vectors(item)) {
       if (rim) s.arrow(s.pen(rim, null), tail, tip, item.size, width);
       s.arrow(s.pen(fill, null), tail, tip, item.size);
-      if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
+      if (size > item.most) {                             // two slanted bars across it
+        const d = apart(tail, tip) || 1, half = (item.size[0] + 6.5) / 2 * s.u, [x, y] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d];
+        const bar = [y * half - 2 * s.u * x, -x * half - 2 * s.u * y];
+        const end = (w, side) => [0, 1].map((k) => tail[k] + w * (tip[k] - tail[k]) + side * bar[k]);
+        for (const w of [0.4, 0.5]) polyline(s.pen(null, rim, 1.8 * s.u), [end(w, 1), end(w, -1)]);
+      }
       const name = item.names?.[row[1]] || "";
       if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${s.arrowText(item, row, size)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
     }

@@ -28,10 +28,10 @@ class Live extends Viewer {
     this.layers = el("div");
     this.meters = el("div", { className: "plots" });
     const side = el("section", { className: "plots", ariaLabel: "controls and meters" });
-    this.controls = new Controls(side, (name, value) => this.set(name, value));
-    const search = finder("show a quantity", () => [...this.units.keys()], (names) => this.watch(names),
-                          (text) => this.watch([text]));   // the answer says why not
-    side.append(search, this.absent, this.meters);
+    this.controls = new Controls((name, value) => this.set(name, value));
+    const search = finder("show a quantity", () => [...this.units.keys()],
+                          (names, text) => this.watch(names.length ? names : [text]));   // the answer says why not
+    side.append(this.controls.box, search, this.absent, this.meters);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
       this.sheets, this.bar(), this.tools(), this.layers, this.warned), side),
       el("div", { className: "messages" }, this.state, this.said), this.tip, this.help);
@@ -206,7 +206,8 @@ class Live extends Viewer {
   grab(pick, x, y) {
     const { stage, head } = this, under = this.frame && stage.pick(x, y, (b) => b >= 0 && b < head.bodies.length && !head.bodies[b].fixed);
     if (!under) return null;
-    const body = head.bodies[under.f].name, at = stage.local(under.f, stage.world(x, y));
+    const body = head.bodies[under.f].name, [bx, by, angle] = stage.pose.slice(3 * under.f), [wx, wy] = stage.world(x, y);
+    const at = turned([wx - bx, wy - by], -angle);
     let moved = 0, was = [x, y];
     this.tip.hidden = true;
     return {
@@ -242,8 +243,9 @@ class Live extends Viewer {
     for (const some of Map.groupBy(rest, (name) => units.get(name)).values()) meters.push({ names: some });
     for (const made of this.plots) made.remove();
     this.plots = meters.map((meter) => {
-      const rows = () => meter.names.map((name) => this.rows.get(name)), close = () => this.ask({ watch: names.filter((n) => !meter.names.includes(n)) });
-      return Object.assign(plot(this.meters, { ...meter, unit: units.get(meter.names[0]), least: STILL, time: this.time, rows: rows(), close }), { rows });
+      const rows = () => meter.names.map((name) => this.rows.get(name));
+      return Object.assign(plot(this.meters, { ...meter, unit: units.get(meter.names[0]), curves: curvesOf(meter.names), least: STILL,
+        time: this.time, rows: rows(), close: () => this.ask({ watch: names.filter((name) => !meter.names.includes(name)) }) }), { rows });
     });
   }
   lastText(name) {                                        // the last value of a watched quantity, as its plot shows it
@@ -258,31 +260,19 @@ const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", 
 const BEYOND = 10;                                        // times its own span a slider goes for a typed value
 
 class Controls {
-  constructor(parent, set) {                              // set(name, value): asks for it
-    Object.assign(this, { set, kinds: [], rows: new Map() });
-    this.box = el("section", { className: "controls", ariaLabel: "controls" });
-    parent.append(this.box);
+  constructor(set) {                                      // set(name, value): asks for it
+    Object.assign(this, { set, kinds: [], rows: new Map(), box: el("section", { className: "controls", ariaLabel: "controls" }) });
   }
   show(list) {                                            // again with other values, or anew
     const kinds = list.map(({ name, unit }) => `${name} ${unit}`);
-    if (!alike(kinds, this.kinds)) this.build(list);
-    this.kinds = kinds;
-    for (const control of list) this.rows.get(control.name).take(control);
-  }
-  build(list) {
-    this.rows.clear();
-    this.box.replaceChildren();
-    let heading = "";
-    for (const control of list) {
-      if (HEADINGS[control.kind] !== heading) {
-        heading = HEADINGS[control.kind];
-        this.box.append(el("h2", { textContent: heading }));
-      }
-      const row = control.kind === "switch" ? this.toggle(control) : this.slider(control);
-      this.rows.set(control.name, row);
-      this.box.append(row.box);
+    if (!alike(kinds, this.kinds)) {
+      this.kinds = kinds;
+      this.rows = new Map(list.map((control) => [control.name, control.kind === "switch" ? this.toggle(control) : this.slider(control)]));
+      this.box.replaceChildren(...[...Map.groupBy(list, ({ kind }) => HEADINGS[kind])].flatMap(([textContent, some]) => [
+        el("h2", { textContent }), ...some.map(({ name }) => this.rows.get(name).box)]));
+      this.box.hidden = !list.length;
     }
-    this.box.hidden = !list.length;
+    for (const control of list) this.rows.get(control.name).take(control);
   }
   toggle({ name }) {
     const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });

@@ -25,7 +25,7 @@ class Report extends Viewer {
       ...(marks.length ? [["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }]] : []),
       ["l", "loop", { l: () => this.loops.click() }],
       ...(many ? [["g", "side by side or over each other", { g: () => this.lay() }]] : [])]);
-    addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
+    addEventListener("hashchange", () => this.hold(this.askedTime(this.t)));
     Object.assign(this, { runs, head: heads[0], marks, plots: [], t: 0, drawn: 0, playing: false, over: false });
     this.first = Math.min(...runs.map((r) => r.first));
     this.last = Math.max(...runs.map((r) => r.last));
@@ -44,7 +44,7 @@ class Report extends Viewer {
     });
     bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.redraw()));
     this.openFirst();
-    this.seek(this.askedTime() ?? this.first);
+    this.seek(this.askedTime(this.first));
   }
   click(pick, run) { if (pick) this.open(quantitiesOf(pick, run).slice(0, 3), pick.n); }
 
@@ -53,7 +53,7 @@ class Report extends Viewer {
     const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
     const frames = this.runs.map((run) => run.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
-    const ghosts = this.stages.slice(seen.length).map(({ list }, k) => ({ list, frame: frames[k + 1], colour: inkOf(k + 1, seen[0].dark) }));
+    const ghosts = this.stages.slice(seen.length).map(({ list }, k) => ({ list, frame: frames[k + 1], colour: inkOf(k + 1) }));
     for (const stage of seen) stage.resize();
     const lines = Math.max(...seen.map((stage) => stage.lines));
     seen.forEach((stage, i) => {                          // drawings beside each other stand at one height
@@ -77,9 +77,9 @@ class Report extends Viewer {
       try { history.replaceState(null, "", `#t=${+this.t.toFixed(4)}`); } catch { /* in a frame of others */ }
     }, 150);
   }
-  askedTime() {
-    const found = /[#&]t=([0-9.eE+-]+)/.exec(location.hash), t = found ? Number(found[1]) : NaN;
-    return Number.isFinite(t) ? t : null;
+  askedTime(otherwise) {
+    const t = parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
+    return Number.isFinite(t) ? t : otherwise;
   }
   toggle() {
     this.playing = !this.playing;
@@ -154,18 +154,14 @@ class Report extends Viewer {
     return plots.length;
   }
   openOne(names, { title, range, number }) {
-    const many = this.runs.length > 1, alike = common(names), curves = [];
-    const tables = this.runs.flatMap((run, k) => {
-      const mine = names.filter((name) => run.has(name));
-      mine.forEach((name, i) => curves.push(many ? { name: `${name} (${k + 1})`, word: `${alike.cut(name)} (${k + 1})`.trim(), ink: [k, i] }
-        : { name, word: alike.cut(name), ink: [i, Math.floor(i / INKS.length)] }));
-      return mine.length ? [[run.times, ...mine.map((name) => run.row(name))]] : [];
-    });
+    const sets = this.runs.map((run, k) => ({ run, k, own: curvesOf(names).filter(({ name }) => run.has(name)) })).filter(({ own }) => own.length);
+    const tables = sets.map(({ run, own }) => [run.times, ...own.map(({ name }) => run.row(name))]);
+    const curves = this.runs.length === 1 ? sets[0].own : sets.flatMap(({ k, own }) => own.map(({ name, word }, dash) => (
+      { name: `${name} (${k + 1})`, word: `${word} (${k + 1})`.trim(), ink: k, dash })));
     const [time, ...rows] = tables.length > 1 ? uPlot.join(tables, tables.map((t) => t.map(() => 2))) : tables[0];
     const bands = names.length === 1 ? this.bands(names[0]) : [];
     const made = plot(this.meters, {
-      title: title || alike.title, unit: this.unit(names[0]), range, number, bands,
-      names: curves.map(({ name }) => name), short: curves.map(({ word }) => word), inks: curves.map(({ ink }) => ink),
+      title: title || common(names).title, unit: this.unit(names[0]), range, number, bands, curves,
       time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
       seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
     this.plots.push(Object.assign(made, { key: names.join(" "), bands }));
@@ -185,11 +181,9 @@ class Report extends Viewer {
   openFirst() {
     const every = [...new Set(this.runs.flatMap((run) => [...run.keys()]))], said = el("output", { className: "said" });
     const box = finder("plot a quantity", () => every, (names, text) => {
-      const count = this.open(names, text);
-      said.textContent = count > MOST_PLOTS ? `${text} needs ${count} plots; these are the first ${MOST_PLOTS}` : "";
-    }, (text) => {
-      const near = nearest(text, every);
-      said.textContent = `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
+      const count = this.open(names, text), near = nearest(text, every);
+      said.textContent = count > MOST_PLOTS ? `${text} needs ${count} plots; these are the first ${MOST_PLOTS}`
+        : count ? "" : `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
     });
     box.append(said);
     const { meters, plots } = this.head, closed = el("div", { className: "closed" }), most = this.runs.length > 1 ? 2 : MOST_CURVES;
@@ -215,12 +209,12 @@ class Report extends Viewer {
 
 // What was found of runs, in words and tables; and how the page begins.
 
+const UNIT = ["unit", ({ unit }) => (unit === "1" ? "" : unit)];
 const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
-    ["range", (v) => v.allowed], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
-    ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
+    ["range", (v) => v.allowed], UNIT, ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
-    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
+    UNIT, ["comparison", (f) => f.why]],
 };
 
 function table(kind, rows) {

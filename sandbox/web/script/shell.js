@@ -26,7 +26,8 @@ function fold(title, ...kids) {
 }
 
 const STEP = 40;                                          // by which a key moves a picture [px]
-class Viewer {                                            // base class; subclasses have stages, plots, head, t and redraw(), and may have setSpeed(speed)
+// Subclasses have stages, plots, head, t and redraw(), and may have setSpeed(speed) and grab().
+class Viewer {
   constructor(pointer, keys) {                            // keys: [names, words, {key: act}]
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
@@ -44,8 +45,8 @@ class Viewer {                                            // base class; subclas
                                              ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP) }],
       ["0", "fit", { 0: () => this.fit() }], ["s", "save the picture", { s: () => this.picture() }],
       ["?", "these keys", { "?": () => this.help.showModal() }]);
-    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("table", {},
+      ...keys.map((words) => el("tr", {}, ...words.slice(0, 2).map((textContent) => el("td", { textContent }))))),
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
     addEventListener("keydown", (e) => {
       const on = (what) => e.target.matches?.(what), act = keys.find(([,, acts]) => e.key in acts)?.[2][e.key];
@@ -55,7 +56,7 @@ class Viewer {                                            // base class; subclas
       e.preventDefault();
       act(e);
     });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    DARK.addEventListener("change", () => {
       for (const one of [...this.stages, ...this.plots]) one.dress();
       this.redraw();
     });
@@ -73,7 +74,8 @@ class Viewer {                                            // base class; subclas
   // may take a drag for itself and answers with {move, drop}.
   camera(stage, series, read) {
     const { canvas } = stage, down = new Map(), at = (e) => [e.offsetX, e.offsetY];
-    let pinch = 0, moved = 0, grip = null;
+    const middle = (all) => [0, 1].map((k) => (all[0][k] + all.at(-1)[k]) / 2), spread = (all) => apart(all[0], all.at(-1));
+    let moved = 0, grip = null;
     canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
       stage.zoomAt(Math.exp(-clamp(e.deltaY, -300, 300) / 400), ...at(e));
@@ -82,7 +84,7 @@ class Viewer {                                            // base class; subclas
     canvas.onpointerdown = (e) => {
       canvas.setPointerCapture(e.pointerId);
       down.set(e.pointerId, at(e));
-      pinch = 0; moved = 0;
+      moved = 0;
       grip = down.size === 1 ? this.grab?.(stage.pick(...at(e)), ...at(e)) : null;
     };
     canvas.onpointermove = (e) => {
@@ -95,22 +97,17 @@ class Viewer {                                            // base class; subclas
         if (found?.n !== before?.n || found?.value !== before?.value) this.redraw();
         return;
       }
+      const before = [...down.values()], after = [...down.set(e.pointerId, now).values()];
       moved += apart(was, now);
-      down.set(e.pointerId, now);
       if (grip) { grip.move(...now); return; }
-      if (down.size === 1 && moved > 3) {
-        stage.pan[0] += now[0] - was[0]; stage.pan[1] += now[1] - was[1];
-        this.redraw();
-      } else if (down.size > 1) {
-        const [p, q] = [...down.values()], d = apart(p, q);
-        if (pinch) { stage.zoomAt(d / pinch, (p[0] + q[0]) / 2, (p[1] + q[1]) / 2); this.redraw(); }
-        pinch = d;
-      }
+      if (moved <= 3) return;
+      middle(after).forEach((at, k) => { stage.pan[k] += at - middle(before)[k]; });
+      if (after.length > 1) stage.zoomAt(spread(after) / (spread(before) || 1), ...middle(after));
+      this.redraw();
     };
     canvas.onpointerup = canvas.onpointercancel = (e) => {
       if (down.delete(e.pointerId) && grip) { grip.drop(); grip = null; }
       else if (e.type === "pointerup" && moved <= 3) this.click(stage.pick(...at(e)), series);
-      pinch = 0;
     };
     canvas.onpointerleave = () => { stage.hover = null; this.tip.hidden = true; this.redraw(); };
     new ResizeObserver(() => { stage.size = null; this.redraw(); }).observe(canvas);
@@ -162,16 +159,14 @@ class Viewer {                                            // base class; subclas
   zoom(factor) { for (const s of this.stages) s.zoomAt(factor, s.w / 2, (s.h - s.foot) / 2); this.redraw(); }
   move(x, y) { for (const { pan } of this.stages) { pan[0] += x; pan[1] += y; } this.redraw(); }
   picture() {
-    const canvas = el("canvas");
-    drawAll(this.sheets, canvas);
-    canvas.toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
+    drawAll(this.sheets).toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
   }
   record(begin = () => {}) {                              // begin or end a film
     if (this.filming) { this.filming.stop(); return; }
     const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) => globalThis.MediaRecorder?.isTypeSupported(k));
     if (!type) { this.film.textContent = "no film in this browser"; return; }
     begin();
-    const canvas = el("canvas"), size = drawAll(this.sheets, canvas), pieces = [];
+    const canvas = drawAll(this.sheets), pieces = [];
     const recorder = new MediaRecorder(canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
     recorder.ondataavailable = (e) => pieces.push(e.data);
     recorder.onstop = () => {
@@ -180,20 +175,20 @@ class Viewer {                                            // base class; subclas
       this.film.textContent = "film";
     };
     recorder.start();
-    this.filming = { frame: () => drawAll(this.sheets, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
+    this.filming = { frame: () => drawAll(this.sheets, canvas), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
 }
 
-// A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), or missed(text).
-function finder(what, every, found, missed) {
+// A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), also if there are none.
+function finder(what, every, found) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", {
     type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`, ariaLabel: what, autocomplete: "off", maxLength: 1000,
     onfocus: () => list.replaceChildren(...every().map((name) => el("option", { value: name }))),
     onchange: () => {
       const text = input.value.trim(), names = matching(text, every());
-      if (names.length) found(names, text); else if (text) missed(text);
+      if (text) found(names, text);
       if (names.length) input.value = "";
     },
   });
@@ -201,11 +196,10 @@ function finder(what, every, found, missed) {
   return el("div", { className: "adder" }, input, list);
 }
 
-// Draw all pictures and their names as they stand in a box on one canvas, of a given size for the frames of a film.
-function drawAll(box, canvas, size = null) {
-  const all = box.getBoundingClientRect();
-  const [w, h] = size || [all.width, all.height].map((v) => 2 * Math.ceil(v * (devicePixelRatio || 1) / 2));   // films want even sides
-  if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
+// Draw all pictures and their names as they stand in a box on one canvas, which keeps its size.
+function drawAll(box, given) {
+  const all = box.getBoundingClientRect(), [width, height] = [all.width, all.height].map((v) => 2 * Math.ceil(v * (devicePixelRatio || 1) / 2));
+  const canvas = given || el("canvas", { width, height }), { width: w, height: h } = canvas;   // films want even sides
   const ctx = canvas.getContext("2d"), k = Math.min(w / all.width, h / all.height);
   ctx.setTransform(1, 0, 0, 1, 0, 0);
   ctx.fillStyle = getComputedStyle(box.parentElement).backgroundColor; ctx.fillRect(0, 0, w, h);
@@ -218,5 +212,5 @@ function drawAll(box, canvas, size = null) {
     ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
     ctx.fillText(one.textContent, left + bar + 6, top + height / 2, width - bar - 6);
   }
-  return [w, h];
+  return canvas;
 }

@@ -5,13 +5,14 @@ const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; 
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
+const TURNS = [8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // from the side of a label to others, near ones first
 const CIRCLE = { c: [0, 0, 0, 0] };
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
-// Adds a ring, {c: a capsule or circle}, {l: an open line}, with the place of its origin, its turn and scale, and -1 to flip y.
-function subpath(path, d, radius, x = 0, y = 0, c = 1, s = 0, flip = 1) {
-  const px = (p, q) => x + c * p - s * q, py = (p, q) => y + flip * (s * p + c * q);
+// Adds a ring, {c: a capsule or circle}, {l: an open line}, with the places of its origin and, from there, of (1, 0) and (0, 1).
+function subpath(path, d, radius, x = 0, y = 0, xx = 1, xy = 0, yx = 0, yy = 1) {
+  const px = (p, q) => x + xx * p + yx * q, py = (p, q) => y + xy * p + yy * q;
   if (d.c) {
     const [a, b, a1, b1] = d.c, x0 = px(a, b), y0 = py(a, b), r = Math.max(radius, 0), q = Math.PI / 2;
     if (a === a1 && b === b1) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
@@ -26,9 +27,7 @@ function subpath(path, d, radius, x = 0, y = 0, c = 1, s = 0, flip = 1) {
   if (!d.l) path.closePath();
 }
 function polyline(path, points) {
-  for (let i = 0; i < points.length; i++) {
-    if (i) path.lineTo(points[i][0], points[i][1]); else path.moveTo(points[i][0], points[i][1]);
-  }
+  points.forEach(([x, y], i) => { if (i) path.lineTo(x, y); else path.moveTo(x, y); });
 }
 function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [px]
   const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, ux = (x1 - x0) / d, uy = (y1 - y0) / d;
@@ -39,11 +38,8 @@ function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [
   path.closePath();
 }
 const alike = (a, b) => a.length === b.length && a.every((one, i) => one === b[i]);
-const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-function mixed(a, b, w) {
-  const [p, q] = [rgb(a), rgb(b)];
-  return `#${p.map((v, i) => Math.round(v + w * (q[i] - v)).toString(16).padStart(2, "0")).join("")}`;
-}
+const DARK = matchMedia("(prefers-color-scheme: dark)");
+const lighter = (colour, percent) => (DARK.matches ? `color-mix(in srgb, ${colour}, #ffffff ${percent}%)` : colour);   // by night
 
 class Stage {
   constructor(head, use) {
@@ -56,7 +52,7 @@ class Stage {
     this.dress();
   }
   dress() {                                               // light or dark colours
-    this.dark = isDark(); this.night = +this.dark;
+    this.night = +DARK.matches;
     this.back = this.ink("paper");
   }
   ink(token, by = 0) {
@@ -65,7 +61,7 @@ class Stage {
     const layer = this.head.ramps[token.slice(1)];        // a ramp that a layer switches off is one colour
     if (layer && !this.layers.has(layer)) return this.ink(this.head.plain);
     const ramp = this.list.ramps[token.slice(1)][by < 0 ? 0 : 1], k = Math.min(ramp.length - 1, Math.floor(Math.abs(by) * (ramp.length - 1) + 0.5));
-    return this.night ? mixed(ramp[k], "#ffffff", by < 0 ? 0.3 : 0.12) : ramp[k];
+    return lighter(ramp[k], by < 0 ? 30 : 12);
   }
 
   // -- camera -----------------------------------------------------------------------------------
@@ -103,10 +99,6 @@ class Stage {
   }
   px(x, y) { return [this.ox + this.scale * x, this.oy - this.scale * y]; }
   world(x, y) { return [(x - this.ox) / this.scale, (this.oy - y) / this.scale]; }
-  local(f, [x, y]) {                                      // a point of the world in a frame
-    const p = this.pose;
-    return turned([x - p[3 * f], y - p[3 * f + 1]], -p[3 * f + 2]);
-  }
   at(point) {
     const p = this.pose, f = 3 * point[0], x = point[1], y = point[2], c = Math.cos(p[f + 2]), s = Math.sin(p[f + 2]), k = this.scale;
     const at = [this.ox + k * (p[f] + c * x - s * y), this.oy - k * (p[f + 1] + s * x + c * y)];
@@ -155,9 +147,10 @@ class Stage {
     LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
   ghost({ list, frame, colour }) {                        // areas of another run, in its colour
-    const { pose, values } = this;
-    Object.assign(this, { pose: frame.pose, values: frame.values, tint: { fill: `${colour}18`, edge: colour, width: 1.2 * this.u, dash: 0 } });
-    for (const item of list.items) if (item.k === "path" && this.layers.has(item.l) && this.on(item) && !list.styles[item.s]?.[4]) PAINT.path(this, item);
+    const { pose, values } = this, fill = `color-mix(in srgb, ${colour} 9%, transparent)`;
+    Object.assign(this, { pose: frame.pose, values: frame.values, tint: { fill, edge: colour, width: 1.2 * this.u, dash: 0 } });
+    const seen = (item) => item.k === "path" && this.layers.has(item.l) && this.on(item) && !list.styles[item.s]?.[4];
+    for (const item of list.items) if (seen(item)) PAINT.path(this, item);
     Object.assign(this, { pose, values, tint: null });
   }
   value(v) { return typeof v === "number" ? v : this.values[v[0]]; }
@@ -223,19 +216,12 @@ class Stage {
     const { u } = this, c = u * Math.cos(turn), s = u * Math.sin(turn);
     this.glyphs[name] ??= this.list.glyphs[name].map(([style, d]) => ({ d, look: this.lookOf(this.list.styles[style], 1, 1) }));
     for (const { d, look } of this.glyphs[name]) {
-      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, s, -1);
+      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, -s, -s, -c);
     }
   }
   arrow(path, tail, tip, [shaft, head], more = 0) {
     const u = this.u * (this.small ? 0.8 : 1);
     arrowOn(path, tail, tip, shaft * u + more, head * u + more);
-  }
-  cutBars(tail, tip, half, ink) {                         // across an arrow that would be longer
-    const d = apart(tail, tip) || 1, [ux, uy] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d], lean = 2 * this.u;
-    for (const w of [0.4, 0.5]) {
-      const [x, y] = [tail[0] + w * d * ux, tail[1] + w * d * uy];
-      polyline(this.pen(null, ink, 1.8 * this.u), [[x + uy * half - ux * lean, y - ux * half - uy * lean], [x - uy * half + ux * lean, y + ux * half + uy * lean]]);
-    }
   }
   vectors(item) {                                         // [row, tail, tip, size] of arrows in sight, small ones first
     const found = [];
@@ -247,15 +233,16 @@ class Stage {
     return found.sort((a, b) => a[3] - b[3]);
   }
   grid() {                                                // lines of equal x and equal y
-    const step = roundLength(175 * this.u / this.scale), [x0, y0] = this.world(0, this.h - this.foot), [x1, y1] = this.world(this.w, 0);
-    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"], count = (low, high) => [Math.ceil(low / step), Math.floor(high / step)];
-    const put = (n, path, tip) => {
-      polyline(this.pen(null, this.ink("hairline"), (n ? 0.9 : 1.8) * this.u), path);
-      this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
-    };
-    const [[a, b], [c, d]] = [count(x0, x1), count(y0, y1)];
-    for (let n = a; n <= Math.min(b, a + 200); n++) put(n, [this.px(n * step, y0), this.px(n * step, y1)], [this.px(n * step, 0)[0], this.h - this.foot]);
-    for (let n = c; n <= Math.min(d, c + 200); n++) put(n, [this.px(x0, n * step), this.px(x1, n * step)], [this.text * 2.4, this.px(0, n * step)[1]]);
+    const bottom = this.h - this.foot, low = this.world(0, bottom), high = this.world(this.w, 0), step = roundLength(175 * this.u / this.scale);
+    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"];
+    for (const k of [0, 1]) {
+      for (let n = Math.ceil(low[k] / step); n * step <= Math.min(high[k], low[k] + 200 * step); n++) {
+        const path = [low, high].map((end) => this.px(...end.with(k, n * step)));
+        polyline(this.pen(null, this.ink("hairline"), (n ? 0.9 : 1.8) * this.u), path);
+        this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip: k ? [this.text * 2.4, path[0][1]] : [path[0][0], bottom],
+                          side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
+      }
+    }
   }
   // -- texts ------------------------------------------------------------------------------------------
   // A text at its side: that of the list, or else, once and for all, the one that its arrow points to.
@@ -269,7 +256,8 @@ class Stage {
     if (!place || this.value(place[1]) <= 0.5) return;
     const texts = item.texts ??= {};
     text = texts[key] = (this.keepTexts && texts[key]) || text;
-    this.words.push({ text, tip, place, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
+    this.words.push({ text, tip, place, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u,
+                      number: item.k !== "text" || "value" in item });
   }
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
@@ -287,11 +275,11 @@ class Stage {
         const [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear, wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
         const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
         if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) return null;
-        return { x, y, w, text, ink, line: far && [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]] };
+        return { x, y, w, text, ink, line: far && [2 * u, reach - u].map((away) => [tip[0] + dx * away, tip[1] - dy * away]) };
       };
       let at = spot(this.turned.get(place) ?? own);
-      if (!at && place && !this.turned.has(place)) {      // once, so that it does not jump: the side with room that is nearest to its own
-        const other = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12].map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = spot(side)));
+      if (!at && place && !this.keepTexts && !this.turned.has(place)) {      // once, so that it does not jump: the side with room that is nearest to its own
+        const other = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = spot(side)));
         if (at) this.turned.set(place, other);
       }
       if (!at) continue;
@@ -377,21 +365,19 @@ class Stage {
   pick(x, y, of = () => true) {
     const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr], { bodies } = this.head;
     const pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
-    for (const item of [...this.shown].reverse()) {
+    for (const item of this.shown.toReversed()) {
       const f = item.k === "path" ? item.f : -1, path = new Path2D();
       if (!item.n || !of(f) || !this.on(item)) continue;
-      if (item.k === "arrows") {
-        for (const [row, tail, tip, size] of this.vectors(item).reverse()) {
-          const one = new Path2D();
-          this.arrow(one, tail, tip, item.size);
-          if (ctx.isPointInPath(one, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value: this.arrowText(item, row, size) };
-        }
-        continue;
-      }
+      const [row,,, size] = item.k !== "arrows" ? [] : this.vectors(item).findLast(([, tail, tip]) => {
+        const arrow = new Path2D();
+        this.arrow(arrow, tail, tip, item.size);
+        return ctx.isPointInPath(arrow, px, py);
+      }) || [];
+      if (row) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value: this.arrowText(item, row, size) };
       if (f >= 0) this.place(f);
       if (item.k in LINES) LINES[item.k](this, item, path);
       ctx.lineWidth = REACH;
-      const hit = item.k === "mark" ? apart(this.at(item.at), [x, y]) <= REACH / 2
+      const hit = item.k === "arrows" ? false : item.k === "mark" ? apart(this.at(item.at), [x, y]) <= REACH / 2
         : f >= 0 ? ctx.isPointInPath(this.path(item), px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(path, px, py);
       this.plain();
       if (hit) return { n: item.n, f };
