@@ -79,7 +79,8 @@ class Run extends Map {
       for (let q = 0; q < 3; q++) pose[3 * moving[m] + q] = between(data.pose[3 * m + q]);
     }
     for (let k = 0; k < values.length; k++) values[k] = this.steady.has(k) ? data.columns[k][near] : between(data.columns[k]);
-    const tables = Object.fromEntries(this.tables.map(([name, rows]) => [name, rows.get(near)]));
+    const tables = {};
+    for (const [name, rows] of this.tables) tables[name] = rows.get(near);
     return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
   way({ at: [f, x, y] }) {                                // of a point, x and y in turn

@@ -5,7 +5,10 @@ const LINES = {
   span(s, item, path) {                                   // a pattern between two points
     const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t } = item, { u } = s;
     const draw = (from, along, across) => {
-      subpath(path, { l: t }, 0, a[0] + from * ex, a[1] + from * ey, along * ex, along * ey, across * ey, -across * ex);
+      for (let i = 0; i < t.length; i += 2) {
+        const w = from + t[i] * along, v = t[i + 1] * across, x = a[0] + w * ex + v * ey, y = a[1] + w * ey - v * ex;
+        if (i) path.lineTo(x, y); else path.moveTo(x, y);
+      }
     };
     if (item.every) for (let k = 1; k < Math.min(2000, d / (item.every * u)); k++) draw(k * item.every * u, u, u);
     else draw(0, d, clamp(item.w[0] * d, item.w[1] * u, item.w[2] * u));

@@ -275,8 +275,7 @@ class Controls {
     for (const control of list) this.rows.get(control.name).take(control);
   }
   toggle({ name }) {
-    const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
-    input.dataset.control = name;
+    const input = el("input", { type: "checkbox", "data-control": name, onchange: () => this.set(name, input.checked ? 1 : 0) });
     const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
     return { box, take: (c) => { input.checked = c.value !== 0; } };
   }
@@ -294,9 +293,9 @@ class Controls {
       Object.assign(state, { touched: true, value });
       this.set(name, kind === "parameter" && unitName ? `${value} ${unitName}` : value);
     };
-    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label,
+    const range = el("input", { type: "range", "data-control": name, step: "any", min: control.low, max: control.high, ariaLabel: label,
       oninput: () => { const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); } });
-    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
+    const text = el("input", { type: "text", "data-typed": name, inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
       oninput: () => { state.typing = true; },
       onchange: () => {                                   // a number; else the answer is the value, or what is wrong
         const given = text.value.replace("\u2212", "-").trim();
@@ -305,7 +304,6 @@ class Controls {
         this.set(name, given);
         text.value = short(state.value);
       } });
-    range.dataset.control = name; text.dataset.typed = name;
     return {
       box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
         el("span", { className: "unit", textContent: unitName })),

@@ -61,7 +61,7 @@ function plot(parent, { title, unit: unitName, curves, time, rows, seek, close, 
   const names = curves.map(({ name }) => name), box = el("figure", { className: number ? "plot number" : "plot", role: "img",
                                                                      ariaLabel: `plot of ${names.join(", ")}` });
   title ||= common(names).title;
-  const what = el("span"), values = el("output"), several = curves.length > 1;
+  const what = el("span"), several = curves.length > 1, values = el("output", { className: several ? "many" : "" });
   const dashes = curves.map(({ dash }) => DASHES[dash % DASHES.length]), solid = curves.flatMap((_, i) => (dashes[i] ? [] : [i]));
   const cells = curves.map(({ name, word, dash }) => {    // the value of a curve, after its name where there are several
     const cell = el("b", { title: name }), said = el("data");
@@ -69,11 +69,8 @@ function plot(parent, { title, unit: unitName, curves, time, rows, seek, close, 
     cell.append(said); values.append(cell);
     return { cell, said };
   });
-  if (several) {
-    const letters = clamp(Math.max(...curves.map(({ word }) => word.length)) + 11, 14, 40);
-    values.classList.add("many");
-    values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
-  }
+  const letters = clamp(Math.max(...curves.map(({ word }) => word.length)) + 11, 14, 40);
+  values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
   box.append(el("figcaption", {}, what, values)); parent.append(box);
   let shown, scaled, sizes, u, line, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
   const take = () => {

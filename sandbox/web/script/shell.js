@@ -133,11 +133,10 @@ class Viewer {
   layerBoxes(changed) {                                   // folded where they would be larger than the picture
     const [{ layers }] = this.stages;
     const box = fold("layers", el("div", { className: "layers" }, ...this.head.layers.map(({ name, words, about }) => {
-      const tick = el("input", { type: "checkbox", checked: layers.has(name), onchange: () => {
+      const tick = el("input", { type: "checkbox", checked: layers.has(name), "data-layer": name, onchange: () => {
         for (const s of this.stages) if (tick.checked) s.layers.add(name); else s.layers.delete(name);
         changed();
       } });
-      tick.dataset.layer = name;
       return el("label", { title: about }, tick, words);
     })));
     box.open = innerWidth > 900;

@@ -10,9 +10,9 @@ const CIRCLE = { c: [0, 0, 0, 0] };
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
-// Adds a ring, {c: a capsule or circle}, {l: an open line}, with the places of its origin and, from there, of (1, 0) and (0, 1).
-function subpath(path, d, radius, x = 0, y = 0, xx = 1, xy = 0, yx = 0, yy = 1) {
-  const px = (p, q) => x + xx * p + yx * q, py = (p, q) => y + xy * p + yy * q;
+// Adds a ring, {c: a capsule or circle}, {l: an open line}, with the place of its origin, its turn and scale, and -1 to flip y.
+function subpath(path, d, radius, x = 0, y = 0, c = 1, s = 0, flip = 1) {
+  const px = (p, q) => x + c * p - s * q, py = (p, q) => y + flip * (s * p + c * q);
   if (d.c) {
     const [a, b, a1, b1] = d.c, x0 = px(a, b), y0 = py(a, b), r = Math.max(radius, 0), q = Math.PI / 2;
     if (a === a1 && b === b1) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
@@ -27,7 +27,8 @@ function subpath(path, d, radius, x = 0, y = 0, xx = 1, xy = 0, yx = 0, yy = 1) 
   if (!d.l) path.closePath();
 }
 function polyline(path, points) {
-  points.forEach(([x, y], i) => { if (i) path.lineTo(x, y); else path.moveTo(x, y); });
+  path.moveTo(points[0][0], points[0][1]);
+  for (let i = 1; i < points.length; i++) path.lineTo(points[i][0], points[i][1]);
 }
 function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [px]
   const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, ux = (x1 - x0) / d, uy = (y1 - y0) / d;
@@ -61,7 +62,7 @@ class Stage {
     const layer = this.head.ramps[token.slice(1)];        // a ramp that a layer switches off is one colour
     if (layer && !this.layers.has(layer)) return this.ink(this.head.plain);
     const ramp = this.list.ramps[token.slice(1)][by < 0 ? 0 : 1], k = Math.min(ramp.length - 1, Math.floor(Math.abs(by) * (ramp.length - 1) + 0.5));
-    return lighter(ramp[k], by < 0 ? 30 : 12);
+    return this.night ? lighter(ramp[k], by < 0 ? 30 : 12) : ramp[k];
   }
 
   // -- camera -----------------------------------------------------------------------------------
@@ -216,7 +217,7 @@ class Stage {
     const { u } = this, c = u * Math.cos(turn), s = u * Math.sin(turn);
     this.glyphs[name] ??= this.list.glyphs[name].map(([style, d]) => ({ d, look: this.lookOf(this.list.styles[style], 1, 1) }));
     for (const { d, look } of this.glyphs[name]) {
-      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, -s, -s, -c);
+      subpath(this.pen(d.l ? null : look.fill, look.edge, look.width, look.dash), d, d.c && d.c[4] * u, x, y, c, s, -1);
     }
   }
   arrow(path, tail, tip, [shaft, head], more = 0) {
@@ -262,35 +263,35 @@ class Stage {
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
   write() {                                               // of two on one spot the first stays
-    const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
+    const { ctx } = this, taken = [], most = this.small ? FEW : MOST;
     let numbers = 0;
     ctx.font = `600 ${this.text}px ${FONT}`;
     ctx.globalAlpha = 0.6;                                // of lines to labels farther off
     this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
-    for (const { text, tip, place, side: own, ink, clear, number } of this.words) {
+    for (const word of this.words) {
+      const { place, side: own, number } = word;
       if (number && numbers >= most) continue;
-      const w = this.widthOf(text) / 2, h = 0.55 * this.text;
-      const spot = (side) => {                            // null if it would be outside, or on another one
-        const [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear, wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
-        const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
-        if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) return null;
-        return { x, y, w, text, ink, line: far && [2 * u, reach - u].map((away) => [tip[0] + dx * away, tip[1] - dy * away]) };
-      };
-      let at = spot(this.turned.get(place) ?? own);
-      if (!at && place && !this.keepTexts && !this.turned.has(place)) {      // once, so that it does not jump: the side with room that is nearest to its own
-        const other = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = spot(side)));
+      let at = this.spot(word, this.turned.get(place) ?? own, taken);
+      if (!at && place && !this.keepTexts && !this.turned.has(place)) {   // once, so that it does not jump: the nearest side with room
+        const other = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = this.spot(word, side, taken)));
         if (at) this.turned.set(place, other);
       }
       if (!at) continue;
       taken.push(at);
       numbers += number ? 1 : 0;
-      if (at.line) polyline(this.pen(null, ink, 1), at.line);
+      if (at.line) polyline(this.pen(null, word.ink, 1), at.line);
     }
     this.flush();
     Object.assign(ctx, { globalAlpha: 1, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back });
     for (const { text, x, y } of taken) ctx.strokeText(text, x, y);
     for (const { text, x, y, ink } of taken) { ctx.fillStyle = ink; ctx.fillText(text, x, y); }
+  }
+  spot({ text, tip, ink, clear }, side, taken) {          // of a label at a side; null if it would be outside, or on another one
+    const { u } = this, w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+    const wx = tip[0] + dx * (w + reach), wy = tip[1] - dy * (h + reach), x = clamp(wx, w, this.w - w), y = clamp(wy, h, this.h - this.foot - h);
+    if (Math.hypot(wx - x, wy - y) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) return null;
+    return { x, y, w, text, ink, line: far && [2 * u, reach - u].map((away) => [tip[0] + dx * away, tip[1] - dy * away]) };
   }
   widthOf(text) {                                         // of a label; digits have one width
     if (this.widths.size > 2000) this.widths.clear();
