@@ -5,7 +5,7 @@ const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; 
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
-const TURNS = [8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // from the side of a label to others, near ones first
+const TURNS = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // from the side of a label to others, near ones first
 const CIRCLE = { c: [0, 0, 0, 0] };
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
@@ -273,7 +273,7 @@ class Stage {
       const { place, side: own, number } = word;
       if (number && numbers >= most) continue;
       let at = this.spot(word, this.turned.get(place) ?? own, taken);
-      if (!at && place && !this.keepTexts && !this.turned.has(place)) {   // once, so that it does not jump: the nearest side with room
+      if (!at && place && !this.keepTexts) {              // it stays at the nearest side with room until that has none
         const other = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((side) => (at = this.spot(word, side, taken)));
         if (at) this.turned.set(place, other);
       }
