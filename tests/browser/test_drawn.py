@@ -58,7 +58,7 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
     """Without the items of one kind the picture differs; what is picked is an element's name."""
     run = zoo()
     tab = opened(report([run]))
-    for layer in tab.evaluate("sandbox.heads[0].layers.map((l) => l.name)"):
+    for layer in tab.evaluate("sandbox.head.layers.map((l) => l.name)"):
         tab.evaluate("(name) => sandbox.stages[0].layers.add(name)", layer)
     tab.evaluate("sandbox.hold(0.3)")
     for scheme in ("light", "dark"):
@@ -97,7 +97,7 @@ def test_every_kind_of_item_is_seen_by_day_and_by_night(opened):
 def test_a_trace_is_the_way_that_was_gone(tab, run):
     (body, x, y), way = tab.evaluate("""() => {
       const item = sandbox.stages[0].list.items.find((one) => one.k === "trail");
-      return [item.at, [...sandbox.replays[0].way(item)]];
+      return [item.at, [...sandbox.runs[0].way(item)]];
     }""")
     px, py, angle = run.arrays["body_pose"][:, body].T
     c, s = np.cos(angle), np.sin(angle)
@@ -122,8 +122,7 @@ def test_marks_and_bands_of_verdicts_are_where_the_run_has_them(opened, run):
         assert tab.evaluate("sandbox.t") == pytest.approx(t, abs=1e-6)
     marks = [float(mark.get_attribute("style").split()[1].rstrip("%;"))
              for mark in tab.locator(".mark").all()]
-    first, last = run.time[0], run.time[-1]
-    assert marks == pytest.approx([100 * (t - first) / (last - first)
-                                   for t in (0.25, run.time[inside[-1]])], abs=0.01)
+    assert marks == pytest.approx(
+        [100 * t / run.time[-1] for t in (0.25, run.time[inside[-1]])], abs=0.01)
     [band, _] = tab.evaluate("sandbox.plots[0].bands.map((b) => [b.from, b.to])")
     assert band == pytest.approx(run.time[[inside[0], inside[-1]]].tolist())

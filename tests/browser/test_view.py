@@ -91,12 +91,12 @@ def test_it_runs_is_pulled_ends_steps_back_and_resets(served):
     set_typed(tab, "parameters.pull", "22 N")
     tab.click("#step")
     # a quarter of the pull each
-    until(tab, f"sandbox.frame.t > {there} && [...sandbox.meters.rows.values()][0].at(-1) > 5.4")
+    until(tab, f"sandbox.frame.t > {there} && [...sandbox.rows.values()][0].at(-1) > 5.4")
     assert tab.evaluate("sandbox.frame.t") - there == pytest.approx(1 / 60, abs=1e-3)
     tab.click("#back")
     until(tab, f"Math.abs(sandbox.frame.t - {there}) < 1e-6")
     assert np.array_equal(pose(tab, "finger1.distal"), before)
-    for instants in tab.evaluate("[sandbox.meters.time, sandbox.instants]"):
+    for instants in tab.evaluate("[sandbox.time, sandbox.instants]"):
         assert instants[-1] == tab.evaluate("sandbox.frame.t")
         assert np.all(np.diff(instants) > 0)
     until(tab, "document.querySelector(\"[data-typed='parameters.pull']\").value === '15'")
@@ -172,7 +172,7 @@ def test_a_new_beginning_keeps_the_camera_and_a_divergence_is_told(crank):
     crank.keyboard.press("+")
     zoom = crank.evaluate("globalThis.first = sandbox.stage; sandbox.stage.zoom")
     set_typed(crank, "parameters.arm", "12 cm")
-    until(crank, "sandbox.stage !== first && sandbox.meters.time.length > 5")
+    until(crank, "sandbox.stage !== first && sandbox.time.length > 5")
     assert crank.evaluate("[sandbox.stage.follow, sandbox.stage.zoom]") == [-1, zoom]
     span = "(({ min, max }) => [+min, +max])(document.querySelector(\"[data-control='kick']\"))"
     assert crank.evaluate(span) == [0, 0.2]
@@ -189,7 +189,7 @@ def test_a_new_beginning_keeps_the_camera_and_a_divergence_is_told(crank):
 def test_every_layer_is_shown_on_a_phone_in_the_dark(served, scene):
     tab = served(scene, **PHONE)
     assert tab.evaluate("document.documentElement.scrollWidth <= screen.width")
-    assert tab.evaluate("sandbox.stage.dark")
+    assert tab.evaluate("sandbox.stage.night")
     tab.get_by_text("layers", exact=True).click()
     for box in tab.locator("[data-layer]").all():
         box.check()

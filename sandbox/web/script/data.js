@@ -30,6 +30,8 @@ function columnOf({ n, k, at, low, step, bytes }, c, raw) {
   return column;
 }
 
+const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
+
 // The last index i of a rising array with array[i] <= value, at least 0.
 function indexBelow(array, value) {
   let low = 0, high = array.length - 1;
@@ -50,61 +52,63 @@ function indexNear(times, t, row = times) {
   return Math.abs(times[b] - t) < Math.abs(t - times[a]) ? b : a;
 }
 
-// Frames of a recording at any time: poses and even columns between samples, others of the nearest.
-class Replay {
+// A recorded run: its quantities by name, and frames at any time: poses and even columns between samples, others of the nearest.
+class Run extends Map {
   constructor(head, data) {
-    this.head = head; this.data = data; this.time = data.t[0];
-    this.first = this.time[0]; this.last = this.time[this.time.length - 1];
+    super(head.series.map((one) => [one.name, one]));
+    const [time] = data.t, tables = Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`])]);
+    Object.assign(this, { head, data, time, tables, times: data.ptime[0], last: time.at(-1), ways: new Map(), steady: new Set(head.list.steady) });
+    this.first = time[0] <= (1 + 1e-9) / head.words.rate ? 0 : time[0];   // a sample is taken within a step: none lies at the start
     this.pose = Float64Array.from(head.rest); this.values = new Float64Array(head.columns);   // of the last frame
-    this.steady = new Set(head.list.steady);
-    this.tables = Object.fromEntries(Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
-    this.ways = new Map();
+  }
+  unit(name) { return this.get(name).unit; }
+  row(name) {
+    const { c, v } = this.get(name);
+    return c === undefined ? Float64Array.from(this.times, () => v) : this.data.plots.at(c);
+  }
+  text(name, t) {                                         // of a value with its unit, as in its plot
+    const row = this.row(name);
+    return textOf(row[indexNear(this.times, t)], row, this.unit(name));
   }
   frame(t) {
     const { head, time, data, pose, values } = this, n = time.length;
     const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
-    const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0, near = w > 0.5 ? j : i;
+    const w = j > i ? clamp((t - time[i]) / (time[j] - time[i]), 0, 1) : 0, near = w > 0.5 ? j : i;
     const between = (c) => c[i] + w * (c[j] - c[i]), { moving } = head;
     for (let m = 0; m < moving.length; m++) {
       for (let q = 0; q < 3; q++) pose[3 * moving[m] + q] = between(data.pose[3 * m + q]);
     }
     for (let k = 0; k < values.length; k++) values[k] = this.steady.has(k) ? data.columns[k][near] : between(data.columns[k]);
     const tables = {};
-    for (const name in this.tables) tables[name] = this.tables[name][near];
+    for (const [name, rows] of this.tables) tables[name] = rows.get(near);
     return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
-  way(item) {                                             // of a point, x and y in turn
-    const key = item.at.join();
+  way({ at: [f, x, y] }) {                                // of a point, x and y in turn
+    const key = [f, x, y].join(), { moving, rest } = this.head, m = moving.indexOf(f);
     if (this.ways.has(key)) return this.ways.get(key);
-    const [f, x, y] = item.at, m = this.head.moving.indexOf(f), n = this.time.length, found = new Float64Array(2 * n), rest = this.head.rest.slice(3 * f, 3 * f + 3);
-    const pose = m < 0 ? rest.map((v) => new Float64Array(n).fill(v)) : this.data.pose.slice(3 * m, 3 * m + 3);
-    for (let i = 0; i < n; i++) {
-      const c = Math.cos(pose[2][i]), s = Math.sin(pose[2][i]);
-      found[2 * i] = pose[0][i] + c * x - s * y; found[2 * i + 1] = pose[1][i] + s * x + c * y;
+    const found = new Float64Array(2 * this.time.length), pose = (q, i) => (m < 0 ? rest[3 * f + q] : this.data.pose[3 * m + q][i]);
+    for (let i = 0; i < this.time.length; i++) {
+      const c = Math.cos(pose(2, i)), s = Math.sin(pose(2, i));
+      found[2 * i] = pose(0, i) + c * x - s * y; found[2 * i + 1] = pose(1, i) + s * x + c * y;
     }
     this.ways.set(key, found);
     return found;
   }
 }
 
-function rowsOf(columns, n) {                             // rows by sample, which is their first column
-  const found = Array.from({ length: n }, () => []);
-  if (columns) for (let i = 0; i < columns[0].length; i++) found[columns[0][i]].push(columns.map((c) => c[i]));
-  return found;
-}
+// Rows by sample, which is their first column.
+const rowsOf = (columns) => Map.groupBy(Array.from(columns?.[0] || [], (_, i) => columns.map((c) => c[i])), ([sample]) => sample);
 
-// A pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab].
-function globbed(pattern) {
+// The names that match a pattern as in Python's fnmatch, case-sensitive: *, ?, [ab], [a-f], [!ab]. Those of pairs need a / in it, and match in
+// either order.
+function matching(pattern, names) {
   const text = pattern.replace(/\[(!?)([^][^\]]*)\]|[^]/g, (all, not, some) => (
     some ? `[${not && "^"}${some.replace(/[\\[\]^]/g, "\\$&")}]`
       : all === "*" ? "[^]*" : all === "?" ? "[^]" : all.replace(/[.+^${}()|[\]\\]/, "\\$&")));
-  try { return new RegExp(`^${text}$`, "u"); } catch { return /^[]$/; }   // such as [f-a]: none
-}
-
-// The names that match a pattern. Names of pairs need a / in it, and match in either order.
-function matching(pattern, names) {
   if (names.includes(pattern)) return [pattern];
-  const fits = globbed(pattern), pairs = pattern.includes("/");
+  let fits = /^[]$/;                                      // none, as of [f-a]
+  try { fits = new RegExp(`^${text}$`, "u"); } catch { /* no range */ }
+  const pairs = pattern.includes("/");
   const swapped = (name) => name.replace(/^(.*)\/(.*)\.([^.]*)$/, "$2/$1.$3");
   return names.filter((name) => (name.includes("/") ? pairs && (fits.test(name) || fits.test(swapped(name)))
     : fits.test(name)));
@@ -117,14 +121,15 @@ function nearest(text, names) {                           // by pairs of letters
   return names[shares.indexOf(most)] ?? "";
 }
 
-// The words that names have in common at their begin and end.
+// The words that names have in common at their begin and end: cut() takes them from a name; as a pattern they are the title, if there are any.
 function common(names) {
   const words = names.map((n) => n.split(".")), least = Math.min(...words.map((w) => w.length)) - 1;
   let a = 0, b = 0;
   while (a < least && words.every((w) => w[a] === words[0][a])) a++;
   while (b < least - a && words.every((w) => w[w.length - 1 - b] === words[0][words[0].length - 1 - b])) b++;
+  if (names.length === 1) return { cut: () => "", title: names[0] };
   const cut = (name) => name.split(".").slice(a, b ? -b : undefined).join(".");
-  return { cut, title: [...words[0].slice(0, a), ...(b ? words[0].slice(-b) : [])].join(".") };
+  return { cut, title: a + b ? [...words[0].slice(0, a), "*", ...(b ? words[0].slice(-b) : [])].join(".") : "" };
 }
 
 const fixedText = (value, decimals) => {                  // without a negative 0
@@ -138,19 +143,18 @@ const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math
 // A value of a quantity that grows up to `most`, with as many decimals as all its values.
 const steady = (v, most) => (v === null || !Number.isFinite(v) || !(most >= 1e-3 && most < 1e5) ? short(v)
   : v.toFixed(clamp(3 - Math.floor(Math.log10(most)), 0, 6)).replace(/^-(0\.?0*)$/, "$1"));
-const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
 // Factor from SI, unit, and suffix of a number, as in figures (figure/style.py: shown_as), for values up to `most`.
 function shownAs(unitName, most) {
   if (unitName === "rad") return { factor: 180 / Math.PI, unit: "deg", sign: "\u00b0" };
   if (unitName === "rad/s") return { factor: 180 / Math.PI, unit: "deg/s", sign: " deg/s" };
   if (unitName === "m" && most < MANY_MM) return { factor: 1e3, unit: "mm", sign: " mm" };
-  return { factor: 1, unit: unitName === "1" ? "" : unitName, sign: unitText(unitName) };
+  const unit = unitName === "1" ? "" : unitName;
+  return { factor: 1, unit, sign: unit && ` ${unit}` };
 }
 
 // The largest absolute value; 0 if there is none.
 const sizeOfRow = (row) => row.reduce((most, v) => (Math.abs(v) > most ? Math.abs(v) : most), 0);
-const sizeOfRows = (rows) => Math.max(0, ...rows.map(sizeOfRow));
 
 function textOf(value, row, unitName) {                   // of a row, with its unit, as in its plot
   const most = sizeOfRow(row), { factor, sign } = shownAs(unitName, most);

@@ -70,7 +70,12 @@ const PAINT = {
     for (const [row, tail, tip, size] of s.vectors(item)) {
       if (rim) s.arrow(s.pen(rim, null), tail, tip, item.size, width);
       s.arrow(s.pen(fill, null), tail, tip, item.size);
-      if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
+      if (size > item.most) {                             // two slanted bars across it
+        const d = apart(tail, tip) || 1, half = (item.size[0] + 6.5) / 2 * s.u, [x, y] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d];
+        const bar = [y * half - 2 * s.u * x, -x * half - 2 * s.u * y];
+        const end = (w, side) => [0, 1].map((k) => tail[k] + w * (tip[k] - tail[k]) + side * bar[k]);
+        for (const w of [0.4, 0.5]) polyline(s.pen(null, rim, 1.8 * s.u), [end(w, 1), end(w, -1)]);
+      }
       const name = item.names?.[row[1]] || "";
       if (size >= 0.5 * (item.labelled || 0)) s.say(item, row[1], `${name} ${s.arrowText(item, row, size)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
     }

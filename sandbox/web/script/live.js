@@ -1,50 +1,7 @@
-// The meters of a live view: plots of watched quantities over the last KEPT frames.
-
-const KEPT = 1500;                                        // frames
-const STILL = 1e-4;                                       // of a value: less is not spread over a plot, as frames are float32
-
-class Meters {
-  constructor(box, ask) {                                 // ask(names): to watch these
-    Object.assign(this, { box, ask, first: [], time: [], rows: new Map(), plots: [] });   // rows by name
-  }
-  more(names) { this.ask([...new Set([...this.rows.keys(), ...names])]); }
-  all() { return [this.time, ...this.rows.values()]; }
-  back(t) {                                               // drop the samples from t on
-    const kept = this.time.findLastIndex((one) => one < t) + 1;
-    for (const row of this.all()) row.length = kept;
-  }
-  show(watched) {                                         // [{name, unit}]: the meters of the scene's view, then a plot for each unit
-    const units = new Map(watched.map(({ name, unit }) => [name, unit])), names = [...units.keys()];
-    this.rows = new Map(names.map((name) => [name, this.rows.get(name) || this.time.map(() => null)]));
-    for (const made of this.plots) made.remove();
-    const meters = this.first.filter((meter) => meter.names.every((name) => units.has(name)));
-    const rest = names.filter((name) => !meters.some((meter) => meter.names.includes(name)));
-    for (const unit of new Set(rest.map((name) => units.get(name)))) meters.push({ names: rest.filter((name) => units.get(name) === unit) });
-    this.plots = meters.map((meter) => this.plot(meter, units.get(meter.names[0])));
-  }
-  plot({ names, title, range, number }, unit) {
-    const rows = () => names.map((name) => this.rows.get(name));
-    const made = plot(this.box, {
-      title, range, number, unit, names, least: STILL, time: this.time, rows: rows(),
-      close: () => this.ask([...this.rows.keys()].filter((n) => !names.includes(n))),
-    });
-    return Object.assign(made, { rows });
-  }
-  keep(t, values) {
-    const rows = this.all();
-    [t, ...values].forEach((v, k) => rows[k].push(Number.isFinite(v) ? v : null));
-    if (this.time.length > KEPT + 300) for (const row of rows) row.splice(0, 300);
-  }
-  scroll(t) {
-    for (const made of this.plots) {
-      made.set(this.time, made.rows());
-      made.at(t);
-    }
-  }
-}
-
 // The live view of a session: messages are JSON, or the bytes of a frame.
 
+const KEPT = 1500;                                        // frames that plots of watched quantities show
+const STILL = 1e-4;                                       // of a value: less is not spread over a plot, as frames are float32
 const WAY = 20000;
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, tendon or spring for its meter.";
@@ -59,7 +16,8 @@ class Live extends Viewer {
     socket.onmessage = ({ data }) => { if (typeof data === "string") this.receive(JSON.parse(data)); else this.take(data); };
     socket.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     this.link = { send: (text) => { if (socket.readyState === 1) socket.send(text); } };
-    Object.assign(this, { ids: 0, answered: 0, drawn: 0, asked: false, frame: null, ways: new Map(), instants: [], waiting: new Map(), working: false });
+    Object.assign(this, { ids: 0, answered: 0, drawn: 0, asked: false, frame: null, ways: new Map(), instants: [], waiting: new Map(), working: false,
+                          plots: [], time: [], rows: new Map() });   // samples of watched quantities, rows by name
     const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
@@ -68,19 +26,18 @@ class Live extends Viewer {
     this.sheet = el("div", { className: "sheet" });
     this.sheets.append(this.sheet);
     this.layers = el("div");
-    const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
-    this.controls = new Controls(side, (name, value) => this.set(name, value));
-    this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
-    const search = finder("show a quantity", () => [...this.units.keys()], (names) => this.meters.more(names),
-                          (text) => this.meters.more([text]));   // the answer says why not
-    side.append(search, this.absent, plots);
+    this.meters = el("div", { className: "plots" });
+    const side = el("section", { className: "plots", ariaLabel: "controls and meters" });
+    this.controls = new Controls((name, value) => this.set(name, value));
+    const search = finder("show a quantity", () => [...this.units.keys()],
+                          (names, text) => this.watch(names.length ? names : [text]));   // the answer says why not
+    side.append(this.controls.box, search, this.absent, this.meters);
     root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
       this.sheets, this.bar(), this.tools(), this.layers, this.warned), side),
       el("div", { className: "messages" }, this.state, this.said), this.tip, this.help);
   }
   bar() {
     this.pace = el("output", { id: "pace" });
-    this.speeds = speedBox((speed) => this.ask({ speed }));
     return el("div", { className: "bar" }, this.play,
       button("back", "\u25c0|", "one frame back (left)", () => this.ask({ do: "back" })),
       button("step", "|\u25b6", "one frame on (right)", () => this.ask({ do: "step" })),
@@ -93,7 +50,6 @@ class Live extends Viewer {
       button("save-scene", "save scene", "save a scene that repeats what you did", () => this.ask({ save: "scene" })));
   }
   get stages() { return this.stage ? [this.stage] : []; }
-  get plots() { return this.meters.plots; }
   get t() { return this.frame.t; }
 
   // -- messages --------------------------------------------------------------------------------
@@ -103,7 +59,7 @@ class Live extends Viewer {
     if (message.status) this.status(message.status);
     if (message.controls) this.controls.show(message.controls);
     if (message.given) this.controls.given(message.given);
-    if (message.watched) this.meters.show(message.watched);
+    if (message.watched) this.showMeters(message.watched);
     if ("working" in message) this.busy(message.working);
     if (message.said) this.tell(message.said);
     if (message.error) this.tell(message.error, true);
@@ -123,17 +79,16 @@ class Live extends Viewer {
     this.units = new Map(Object.entries(head.units));
     this.camera(stage, this.units, (name) => this.lastText(name));
     Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null, relisted: null });
-    this.meters.back(-Infinity);
+    for (const row of this.samples()) row.length = 0;
     this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
     this.followable();
     this.controls.show(head.controls);
-    this.meters.first = head.meters;
-    this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
+    this.showMeters(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
-    this.speeds.take(speed);
+    this.offerSpeed(speed);
     this.tell(trouble || note, !!trouble, this.state);
     for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {
       box.replaceChildren(...lines.map((text) => el("li", { textContent: text })));
@@ -163,21 +118,21 @@ class Live extends Viewer {
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
     const take = (count) => numbers.subarray(i, i += count);
     f.pose = take(3 * head.frames); f.values = take(head.columns); f.drives = take(head.drives);
-    const values = take(this.meters.rows.size), names = Object.keys(head.tables), counts = take(names.length);
+    const values = take(this.rows.size), names = Object.keys(head.tables), counts = take(names.length);
     f.tables = Object.fromEntries(names.map((name, k) => [name, Array.from({ length: counts[k] }, () => [...take(head.tables[name])])]));
     f.places = numbers.subarray(i);
     const last = this.frame, passed = last ? f.t - last.t : 0;
     if (passed < 0) this.wentBack(f.t);
     this.trace(f);
-    if (!last || passed !== 0) this.meters.keep(f.t, values);
+    if (!last || passed !== 0) this.keep(f.t, values);
     this.frame = f;
     this.redraw();
   }
-  wentBack(t) {
-    const kept = this.instants.findLastIndex((one) => one < t) + 1;
-    this.meters.back(t);
-    this.instants.length = kept;
-    for (const way of this.ways.values()) way.length = Math.min(way.length, 2 * kept);
+  wentBack(t) {                                           // nothing is known from then on
+    const count = (times) => times.findLastIndex((one) => one < t) + 1, kept = count(this.time);
+    for (const row of this.samples()) row.length = kept;
+    this.instants.length = count(this.instants);
+    for (const way of this.ways.values()) way.length = Math.min(way.length, 2 * this.instants.length);
   }
   trace(f) {                                              // with what lay between two frames
     const { frame: last, instants } = this, m = f.trail, since = last && last.t < f.t ? last.t : f.t;
@@ -206,7 +161,7 @@ class Live extends Viewer {
     const f = this.frame;
     if (!f) return;
     if (!this.stage.canvas.isConnected) this.sheet.replaceChildren(this.stage.canvas);   // the old picture stays until now
-    this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
+    Object.assign(this.stage, { stamp: `t = ${f.t.toFixed(2)} s`, moving: this.playing });
     this.stage.draw(f);
     this.clock.textContent = `${f.t.toFixed(3)} s`;
     const slow = this.playing && f.rate < 0.9 * +this.speeds.value && f.t > 0.5;
@@ -214,7 +169,12 @@ class Live extends Viewer {
     this.controls.follow(f.drives);
     if (this.filming) this.filming.frame();
     this.drawn++;
-    if (!this.playing || this.drawn % 3 === 0) this.meters.scroll(f.t);
+    if (!this.playing || this.drawn % 3 === 0) {
+      for (const made of this.plots) {
+        made.set(this.time, made.rows());
+        made.at(f.t);
+      }
+    }
     this.answered = f.ack;
     this.setNext();
     if (f.seq !== this.shown) { this.shown = f.seq; this.link.send(`{"seen":${f.seq}}`); }
@@ -246,7 +206,8 @@ class Live extends Viewer {
   grab(pick, x, y) {
     const { stage, head } = this, under = this.frame && stage.pick(x, y, (b) => b >= 0 && b < head.bodies.length && !head.bodies[b].fixed);
     if (!under) return null;
-    const body = head.bodies[under.f].name, at = stage.local(under.f, stage.world(x, y));
+    const body = head.bodies[under.f].name, [bx, by, angle] = stage.pose.slice(3 * under.f), [wx, wy] = stage.world(x, y);
+    const at = turned([wx - bx, wy - by], -angle);
     let moved = 0, was = [x, y];
     this.tip.hidden = true;
     return {
@@ -263,11 +224,32 @@ class Live extends Viewer {
       },
     };
   }
-  click(pick) {
-    if (pick) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
+  click(pick) { if (pick) this.watch(quantitiesOf(pick, this.units).slice(0, 2)); }
+  setSpeed(speed) { this.ask({ speed }); }
+
+  // -- meters: plots of watched quantities over the last KEPT frames -----------------------------------
+  watch(names) { this.ask({ watch: [...new Set([...this.rows.keys(), ...names])] }); }
+  samples() { return [this.time, ...this.rows.values()]; }
+  keep(t, values) {
+    const rows = this.samples();
+    [t, ...values].forEach((v, k) => rows[k].push(Number.isFinite(v) ? v : null));
+    if (this.time.length > KEPT + 300) for (const row of rows) row.splice(0, 300);
+  }
+  showMeters(watched) {                                   // [{name, unit}]: the meters of the scene's view, then a plot for each unit
+    const units = new Map(watched.map(({ name, unit }) => [name, unit])), names = [...units.keys()];
+    this.rows = new Map(names.map((name) => [name, this.rows.get(name) || this.time.map(() => null)]));
+    const meters = this.head.meters.filter((meter) => meter.names.every((name) => units.has(name)));
+    const rest = names.filter((name) => !meters.some((meter) => meter.names.includes(name)));
+    for (const some of Map.groupBy(rest, (name) => units.get(name)).values()) meters.push({ names: some });
+    for (const made of this.plots) made.remove();
+    this.plots = meters.map((meter) => {
+      const rows = () => meter.names.map((name) => this.rows.get(name));
+      return Object.assign(plot(this.meters, { ...meter, unit: units.get(meter.names[0]), curves: curvesOf(meter.names), least: STILL,
+        time: this.time, rows: rows(), close: () => this.ask({ watch: names.filter((name) => !meter.names.includes(name)) }) }), { rows });
+    });
   }
   lastText(name) {                                        // the last value of a watched quantity, as its plot shows it
-    const row = this.meters.rows.get(name), value = row?.at(-1) ?? null;
+    const row = this.rows.get(name), value = row?.at(-1) ?? null;
     return value === null ? "" : textOf(value, row, this.units.get(name));
   }
 }
@@ -278,35 +260,22 @@ const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", 
 const BEYOND = 10;                                        // times its own span a slider goes for a typed value
 
 class Controls {
-  constructor(parent, set) {                              // set(name, value): asks for it
-    Object.assign(this, { set, kinds: [], rows: new Map() });
-    this.box = el("section", { className: "controls", ariaLabel: "controls" });
-    parent.append(this.box);
+  constructor(set) {                                      // set(name, value): asks for it
+    Object.assign(this, { set, kinds: [], rows: new Map(), box: el("section", { className: "controls", ariaLabel: "controls" }) });
   }
   show(list) {                                            // again with other values, or anew
     const kinds = list.map(({ name, unit }) => `${name} ${unit}`);
-    if (!alike(kinds, this.kinds)) this.build(list);
-    this.kinds = kinds;
+    if (!alike(kinds, this.kinds)) {
+      this.kinds = kinds;
+      this.rows = new Map(list.map((control) => [control.name, control.kind === "switch" ? this.toggle(control) : this.slider(control)]));
+      this.box.replaceChildren(...[...Map.groupBy(list, ({ kind }) => HEADINGS[kind])].flatMap(([textContent, some]) => [
+        el("h2", { textContent }), ...some.map(({ name }) => this.rows.get(name).box)]));
+      this.box.hidden = !list.length;
+    }
     for (const control of list) this.rows.get(control.name).take(control);
   }
-  build(list) {
-    this.rows.clear();
-    this.box.replaceChildren();
-    let heading = "";
-    for (const control of list) {
-      if (HEADINGS[control.kind] !== heading) {
-        heading = HEADINGS[control.kind];
-        this.box.append(el("h2", { textContent: heading }));
-      }
-      const row = control.kind === "switch" ? this.toggle(control) : this.slider(control);
-      this.rows.set(control.name, row);
-      this.box.append(row.box);
-    }
-    this.box.hidden = !list.length;
-  }
   toggle({ name }) {
-    const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
-    input.dataset.control = name;
+    const input = el("input", { type: "checkbox", "data-control": name, onchange: () => this.set(name, input.checked ? 1 : 0) });
     const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
     return { box, take: (c) => { input.checked = c.value !== 0; } };
   }
@@ -324,9 +293,9 @@ class Controls {
       Object.assign(state, { touched: true, value });
       this.set(name, kind === "parameter" && unitName ? `${value} ${unitName}` : value);
     };
-    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label,
+    const range = el("input", { type: "range", "data-control": name, step: "any", min: control.low, max: control.high, ariaLabel: label,
       oninput: () => { const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); } });
-    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
+    const text = el("input", { type: "text", "data-typed": name, inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
       oninput: () => { state.typing = true; },
       onchange: () => {                                   // a number; else the answer is the value, or what is wrong
         const given = text.value.replace("\u2212", "-").trim();
@@ -335,7 +304,6 @@ class Controls {
         this.set(name, given);
         text.value = short(state.value);
       } });
-    range.dataset.control = name; text.dataset.typed = name;
     return {
       box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
         el("span", { className: "unit", textContent: unitName })),

@@ -13,32 +13,27 @@ function el(tag, props = {}, ...kids) {
   return e;
 }
 
-const isDark = () => getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
 const DASHES = [undefined, [7, 3], [2, 3]];
-const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.4) : INKS[i % INKS.length]);
+const inkOf = (i) => lighter(INKS[i % INKS.length], 40);
 
 // Coinciding curves alternate their colours: the n-th is on top in every n-th slice of the plot. Dashed ones are drawn over them.
 function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
   const slice = Math.round(TURN * CURVE * dpr), count = solid.length;
-  solid.forEach((_, turn) => {
+  const inside = (turn, of, indices) => {                 // strokes curves in every of-th slice
     const slices = new Path2D();
-    for (let x = bbox.left + turn * slice; x < bbox.left + bbox.width; x += count * slice) slices.rect(x, bbox.top, slice, bbox.height);
+    for (let x = bbox.left + turn * slice; x < bbox.left + bbox.width; x += of * slice) slices.rect(x, bbox.top, slice, bbox.height);
     ctx.save();
     ctx.clip(slices);
-    ctx.globalAlpha = 1; ctx.lineWidth = CURVE * dpr; ctx.lineJoin = "round";
-    ctx.setLineDash([]);                                  // uPlot leaves that of its last curve
-    for (let k = 1; k <= count; k++) {
-      const i = solid[(turn + k) % count], path = series[i + 1]._paths?.stroke;
-      ctx.strokeStyle = colours[i];
-      if (path) ctx.stroke(path);
+    Object.assign(ctx, { globalAlpha: 1, lineWidth: CURVE * dpr, lineJoin: "round" });
+    for (const i of indices) {
+      const { dash, _paths } = series[i + 1];
+      ctx.setLineDash(dash || []); ctx.strokeStyle = colours[i];
+      if (_paths?.stroke) ctx.stroke(_paths.stroke);
     }
-    series.slice(1).forEach(({ dash, _paths }, i) => {
-      if (!dash || !_paths) return;
-      ctx.setLineDash(dash); ctx.strokeStyle = colours[i];
-      ctx.stroke(_paths.stroke);
-    });
     ctx.restore();
-  });
+  };
+  solid.forEach((_, turn) => inside(turn, count, [...solid.slice(turn + 1), ...solid.slice(0, turn + 1)]));
+  inside(0, 1, [...colours.keys()].filter((i) => !solid.includes(i)));
 }
 
 // The limits of an axis. Values that change only by rounding, or by a share `least` of their size, are drawn flat.
@@ -58,29 +53,28 @@ function tickTexts(ticks) {
   return ticks.map((v) => short(Math.abs(v) < 1e-6 * step ? 0 : v, digits));
 }
 
-// A figure of values in SI. `names`, `rows`, `short` (names without their common words) and `inks` (numbers of colours and
-// dashes) belong together; `least` is that of spanOf(). at(t) moves the cursor.
-function plot(parent, { title, unit: unitName, names, short: words = names.map(common(names).cut), time, rows, seek, close, bands = [],
-                        least = 0, range, number, inks = names.map((_, i) => [i, 0]) }) {
-  title ||= names.length === 1 ? names[0] : common(names).title;
-  const box = el("figure", { className: number ? "plot number" : "plot", role: "img", ariaLabel: `plot of ${names.join(", ")}` });
-  const what = el("span"), values = el("output"), several = names.length > 1;
-  const dashes = inks.map(([, dash]) => DASHES[dash % DASHES.length]), solid = inks.flatMap((_, i) => (dashes[i] ? [] : [i]));
-  const cells = names.map((name, i) => {                  // the value of a curve, after its name where there are several
+// Curves of quantities: each with its name without their common words, its number and that of its dashes.
+const curvesOf = (names) => names.map((name, i) => ({ name, word: common(names).cut(name), ink: i, dash: Math.floor(i / INKS.length) }));
+
+// A figure of values in SI, with rows of values of `curves`; `least` is that of spanOf(). at(t) moves the cursor.
+function plot(parent, { title, unit: unitName, curves, time, rows, seek, close, bands = [], least = 0, range, number }) {
+  const names = curves.map(({ name }) => name), box = el("figure", { className: number ? "plot number" : "plot", role: "img",
+                                                                     ariaLabel: `plot of ${names.join(", ")}` });
+  title ||= common(names).title;
+  const what = el("span"), several = curves.length > 1, values = el("output", { className: several ? "many" : "" });
+  const dashes = curves.map(({ dash }) => DASHES[dash % DASHES.length]), solid = curves.flatMap((_, i) => (dashes[i] ? [] : [i]));
+  const cells = curves.map(({ name, word, dash }) => {    // the value of a curve, after its name where there are several
     const cell = el("b", { title: name }), said = el("data");
-    if (several) cell.append(el("em", { className: `line${inks[i][1] % DASHES.length}`, textContent: words[i] || name }));
+    if (several) cell.append(el("em", { className: `line${dash % DASHES.length}`, textContent: word || name }));
     cell.append(said); values.append(cell);
     return { cell, said };
   });
-  if (several) {
-    const letters = clamp(Math.max(...words.map((word) => word.length)) + 11, 14, 40);
-    values.classList.add("many");
-    values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
-  }
+  const letters = clamp(Math.max(...curves.map(({ word }) => word.length)) + 11, 14, 40);
+  values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
   box.append(el("figcaption", {}, what, values)); parent.append(box);
-  let shown, scaled, sizes, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
+  let shown, scaled, sizes, u, line, colours, now = 0, last = box.clientWidth;   // how values are shown; rows in that unit
   const take = () => {
-    shown = shownAs(unitName, range ? sizeOfRow(range) : sizeOfRows(rows));
+    shown = shownAs(unitName, Math.max(0, ...(range ? [range] : rows).map(sizeOfRow)));
     scaled = shown.factor === 1 ? rows : rows.map((row) => row.map((v) => (v && shown.factor * (Math.abs(v) < LEAST ? 0 : v))));
     sizes = scaled.map(sizeOfRow);
     what.textContent = [title, shown.unit && (title ? `[${shown.unit}]` : shown.unit)].filter(Boolean).join(" ");
@@ -92,7 +86,8 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
     scaled.forEach((row, k) => { cells[k].said.textContent = steady(row[indexNear(time, at, row)] ?? null, sizes[k]); });
   };
   const make = () => {
-    dark = isDark(); colours = inks.map(([i]) => inkOf(i, dark)); line = null;
+    const dark = DARK.matches;
+    colours = curves.map(({ ink }) => inkOf(ink)); line = null;
     cells.forEach(({ cell }, k) => { cell.style.color = colours[k]; });
     const axis = { stroke: dark ? "#9aa6b2" : "#5b6570", font: PLOT_FONT, grid: { stroke: dark ? "#232b34" : "#e9ecef", width: 1 },
                    ticks: { show: false } };
@@ -104,10 +99,10 @@ function plot(parent, { title, unit: unitName, names, short: words = names.map(c
         { ...axis, size: 26, values: (_, ticks) => ticks.map((v, i) => `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) },
         { ...axis, values: (_, ticks) => tickTexts(ticks),
           size: (_, texts) => Math.max(54, 14 + 7 * Math.max(0, ...(texts || []).map((text) => text.length))) }],
-      series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours[i], width: CURVE, dash: dashes[i], alpha: dashes[i] ? 1 : 0,
+      series: [{}, ...curves.map(({ name }, i) => ({ label: name, stroke: colours[i], width: CURVE, dash: dashes[i], alpha: dashes[i] ? 1 : 0,
         spanGaps: true, pxAlign: 0, points: { show: false } }))],   // at whole pixels there would be stairs
       hooks: {
-        drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark)],
+        drawAxes: [(q) => bandsOn(q, bands, shown.factor)],
         draw: [(q) => { takeTurns(q, solid, colours, devicePixelRatio || 1); if (line) placeCursor(q, line, now); }],
         setCursor: [showValues],
       },
@@ -141,9 +136,8 @@ function placeCursor(u, line, t) {
 }
 
 // Bands of expectations; that of one run among several in its colour, with a word.
-function bandsOn({ ctx, bbox, valToPos }, bands, factor, dark) {
+function bandsOn({ ctx, bbox, valToPos }, bands, factor) {
   const dpr = devicePixelRatio || 1, least = 8 * dpr;     // of a band that would be thinner than its curve
-  const colour = (ink, ok) => (ink !== null ? inkOf(ink, dark) : ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848"));
   ctx.save();
   ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
   ctx.font = `${11 * dpr}px ${FONT}`; ctx.textAlign = "left";
@@ -151,11 +145,12 @@ function bandsOn({ ctx, bbox, valToPos }, bands, factor, dark) {
     const x0 = valToPos(from, "x", true), x1 = valToPos(to, "x", true), wide = Math.max(x1 - x0, least);   // of a last value up to its instant
     const y0 = high === null ? bbox.top : valToPos(factor * high, "y", true);
     const y1 = low === null ? bbox.top + bbox.height : valToPos(factor * low, "y", true), more = Math.max(least - (y1 - y0), 0) / 2;
-    ctx.fillStyle = `${colour(ink, ok)}33`;
+    const colour = ink !== null ? inkOf(ink) : lighter(ok ? "#1f5d4a" : "#a01848", 50);
+    ctx.fillStyle = `color-mix(in srgb, ${colour} 20%, transparent)`;
     ctx.fillRect(x1 - wide, y0 - more, wide, y1 - y0 + 2 * more);
     if (!word) continue;
     const inside = y1 + more - 2 - 13 * dpr > bbox.top;   // else below it
-    ctx.fillStyle = colour(ink, ok); ctx.textBaseline = inside ? "bottom" : "top";
+    ctx.fillStyle = colour; ctx.textBaseline = inside ? "bottom" : "top";
     ctx.fillText(word, Math.max(x0, bbox.left) + 4, y1 + more + (inside ? -2 : 2));
   }
   ctx.restore();

@@ -7,70 +7,58 @@ const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point
 const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
 const parted = (all, size) => Array.from({ length: Math.ceil(all.length / size) }, (_, i) => all.slice(i * size, (i + 1) * size));
 
-class Series extends Map {                                // quantities of one run by name
-  constructor(head, data) {
-    super(head.series.map((one) => [one.name, one]));
-    this.time = data.ptime[0]; this.columns = data.plots;
-  }
-  unit(name) { return this.get(name).unit; }
-  row(name) {
-    const { c, v } = this.get(name);
-    return c === undefined ? Float64Array.from(this.time, () => v) : this.columns.at(c);
-  }
-  text(name, t) {                                         // of a value with its unit, as in its plot
-    const row = this.row(name);
-    return textOf(row[indexNear(this.time, t)], row, this.unit(name));
-  }
+function marksOf(heads) {                                 // events and failed expectations, in order; those without a window are at the end
+  return heads.flatMap(({ words }) => [
+    ...words.events.map((e) => ({ t: e.t, text: `${e.name} at ${short(e.t)} s`, bad: false })),
+    ...words.expect.filter((v) => !v.ok).map((v) => ({ t: v.over ? v.over[1] : Infinity,
+      text: `${v.quantity} ${v.statistic}: ${v.reason || "out of its range"}`, bad: true }))])
+    .sort((a, b) => a.t - b.t);
 }
 
 class Report extends Viewer {
-  constructor(root, heads, datas) {
+  constructor(root, runs) {
+    const heads = runs.map((run) => run.head), marks = marksOf(heads), many = runs.length > 1;
     super(POINTER, [
       ["space", "play or pause", { " ": () => this.toggle() }],
       ["left, right", "one sample back or on; with shift ten", { ArrowLeft: (e) => this.go(-1, e), ArrowRight: (e) => this.go(1, e) }],
       ["home, end", "first or last instant", { Home: () => this.hold(this.first), End: () => this.hold(this.last) }],
-      ["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }],
-      ["l", "loop", { l: () => this.loops.click() }], ["g", "side by side or over each other", { g: () => this.layer && this.lay() }]]);
-    addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
-    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, drawn: 0, playing: false, over: false });
-    this.replays = heads.map((head, i) => new Replay(head, datas[i]));
-    this.series = heads.map((head, i) => new Series(head, datas[i]));
-    this.first = Math.min(...this.replays.map((r) => r.first));
-    this.last = Math.max(...this.replays.map((r) => r.last));
+      ...(marks.length ? [["n, p", "next or previous mark on the bar", { n: () => this.jump(1), p: () => this.jump(-1) }]] : []),
+      ["l", "loop", { l: () => this.loops.click() }],
+      ...(many ? [["g", "side by side or over each other", { g: () => this.lay() }]] : [])]);
+    addEventListener("hashchange", () => this.hold(this.askedTime(this.t)));
+    Object.assign(this, { runs, head: heads[0], marks, plots: [], t: 0, drawn: 0, playing: false, over: false });
+    this.first = Math.min(...runs.map((r) => r.first));
+    this.last = Math.max(...runs.map((r) => r.last));
     this.step = Math.min(...heads.map((h) => 1 / h.words.rate));
-    this.sheets.dataset.runs = heads.length;
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
     root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters),
-      el("section", { className: "facts", ariaLabel: "results" },
-        ...heads.flatMap((head, i) => factsOf(head, heads.length > 1 ? ` of run ${i + 1}` : ""))), this.tip, this.help);
-    this.stages = heads.map((head, i) => this.sheet(head, i));
+      el("section", { className: "facts", ariaLabel: "results" }, ...heads.flatMap((head, i) => factsOf(head, many ? ` of run ${i + 1}` : ""))),
+      this.tip, this.help);
+    this.stages = runs.map((run, i) => {
+      const stage = new Stage(run.head, "click an element for its plot"), name = el("h2", { textContent: `${i + 1}  ${run.head.words.apart}` });
+      name.style.borderColor = INKS[i];
+      this.sheets.append(el("div", { className: "sheet" }, ...(many ? [name] : []), stage.canvas));
+      this.camera(stage, run, (quantity) => run.text(quantity, this.t));
+      return stage;
+    });
     bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.redraw()));
     this.openFirst();
-    this.seek(this.askedTime() ?? this.first);
+    this.seek(this.askedTime(this.first));
   }
-  sheet(head, i) {
-    const stage = new Stage(head, "click an element for its plot"), of = this.series[i], name = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
-    name.style.borderColor = INKS[i];
-    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [name] : []), stage.canvas));
-    this.camera(stage, of, (name) => of.text(name, this.t));
-    return stage;
-  }
-  click(pick, of) { if (pick) this.open(quantitiesOf(pick, of).slice(0, 3), pick.n); }
+  click(pick, run) { if (pick) this.open(quantitiesOf(pick, run).slice(0, 3), pick.n); }
 
   // -- time ------------------------------------------------------------------------------------------
   redraw() {
     const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
-    const frames = this.replays.map((r) => r.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
-    const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
-      head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
+    const frames = this.runs.map((run) => run.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
+    const ghosts = this.stages.slice(seen.length).map(({ list }, k) => ({ list, frame: frames[k + 1], colour: inkOf(k + 1) }));
     for (const stage of seen) stage.resize();
-    const lines = Math.max(...seen.map((stage) => stage.rows.length));
-    seen.forEach((stage, i) => {
-      stage.lines = lines;                                // drawings beside each other stand at one height
-      Object.assign(stage, { stamp: `t = ${now}`, keepTexts: !texts });
-      stage.draw(frames[i], i ? [] : ghosts);
+    const lines = Math.max(...seen.map((stage) => stage.lines));
+    seen.forEach((stage, i) => {                          // drawings beside each other stand at one height
+      Object.assign(stage, { lines, stamp: `t = ${now}`, keepTexts: !texts, moving: this.playing });
+      stage.draw(frames[i], ghosts);
     });
     if (texts) { this.scrub.value = this.t; this.clock.textContent = now; }
     for (const one of this.plots) one.at(this.t, texts);
@@ -89,41 +77,32 @@ class Report extends Viewer {
       try { history.replaceState(null, "", `#t=${+this.t.toFixed(4)}`); } catch { /* in a frame of others */ }
     }, 150);
   }
-  askedTime() {
-    const found = /[#&]t=([0-9.eE+-]+)/.exec(location.hash), t = found ? Number(found[1]) : NaN;
-    return Number.isFinite(t) ? t : null;
+  askedTime(otherwise) {
+    const t = parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
+    return Number.isFinite(t) ? t : otherwise;
   }
   toggle() {
     this.playing = !this.playing;
-    if (this.playing && this.t >= this.last - 1e-9) this.t = this.first;
-    if (!this.playing) { this.seek(this.t); return; }
-    this.before = null;
-    requestAnimationFrame((now) => this.tick(now));
-    this.redraw();
+    if (this.playing) {
+      if (this.t >= this.last - 1e-9) this.t = this.first;
+      this.before = null;
+      requestAnimationFrame((now) => this.tick(now));
+    }
+    this.seek(this.t);
   }
   tick(now) {
     if (!this.playing) return;
-    const passed = this.before === null ? 0 : (now - this.before) / 1000;
+    let t = this.t + (this.before === null ? 0 : (now - this.before) / 1000) * +this.speeds.value;
     this.before = now;
-    let t = this.t + passed * +this.speeds.value;
     if (t > this.last) {
-      if (this.loops.checked && !this.filming) t = this.first;
-      else { this.playing = false; t = this.last; }
+      if (this.loops.checked && !this.filming) t = this.first; else this.playing = false;
     }
     this.seek(t);
-    if (this.playing) requestAnimationFrame((next) => this.tick(next));
-    else if (this.filming) this.filming.stop();
-  }
-  marks() {
-    return this.heads.flatMap((head) => [
-      ...head.words.events.map((e) => ({ t: e.t, text: `${e.name} at ${short(e.t)} s`, bad: false })),
-      ...head.words.expect.filter((v) => !v.ok).map((v) => ({ t: v.over ? v.over[1] : this.last,
-        text: `${v.quantity} ${v.statistic}: ${v.reason || "out of its range"}`, bad: true }))])
-      .sort((a, b) => a.t - b.t);
+    if (this.playing) requestAnimationFrame((next) => this.tick(next)); else this.filming?.stop();
   }
   jump(way) {
-    const times = this.marks().map((m) => m.t);
-    const next = way > 0 ? times.find((t) => t > this.t + 1e-6) : times.reverse().find((t) => t < this.t - 1e-6);
+    const times = this.marks.map((m) => Math.min(m.t, this.last));
+    const next = way > 0 ? times.find((t) => t > this.t + 1e-6) : times.findLast((t) => t < this.t - 1e-6);
     if (next !== undefined) this.hold(next);
   }
 
@@ -131,30 +110,27 @@ class Report extends Viewer {
   bar() {
     this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any", ariaLabel: "time",
                                oninput: () => this.hold(+this.scrub.value) });
-    const track = el("div", { className: "track" }, this.scrub), span = this.last - this.first || 1;
-    for (const mark of this.marks()) {
+    const span = this.last - this.first || 1, ticks = this.marks.map((mark) => {
       const tick = el("i", { className: mark.bad ? "mark bad" : "mark", title: mark.text });
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
-      track.append(tick);
-    }
-    this.speeds = speedBox();
-    this.speeds.take(this.head.view.speed);
+      return tick;
+    });
+    this.offerSpeed(this.head.view.speed);
     this.loops = el("input", { type: "checkbox", checked: true });
-    return el("div", { className: "bar" }, this.play, track, this.clock, this.speeds,
+    return el("div", { className: "bar" }, this.play, el("div", { className: "track" }, this.scrub, ...ticks), this.clock, this.speeds,
               el("label", { title: "begin again at the end (l)" }, this.loops, "loop"));
   }
   tools() {
     const box = super.tools();
     this.followable();
-    if (this.heads.length > 1) {
+    if (this.runs.length > 1) {
       this.layer = button("over", "over each other", "runs side by side or as ghosts (g)", () => this.lay());
       box.prepend(this.layer);
     }
     return box;
   }
   lay() {
-    this.over = !this.over;
-    this.sheets.dataset.over = this.over ? "1" : "";
+    this.over = this.sheets.classList.toggle("over");
     this.layer.textContent = this.over ? "side by side" : "over each other";
     this.redraw();
   }
@@ -165,8 +141,11 @@ class Report extends Viewer {
   }
 
   // -- plots that a reader opens: quantities of one unit, of all runs at once --------------------------------
-  open(names, title) {
-    const plots = this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => parted(all, MOST_CURVES));
+  known(names) { return names.filter((name) => this.runs.some((run) => run.has(name))); }
+  unit(name) { return this.runs.find((run) => run.has(name)).unit(name); }
+  grouped(names, keyOf) { return [...Map.groupBy(this.known(names), keyOf).values()]; }
+  open(names, title = "") {
+    const plots = this.grouped(names, (name) => this.unit(name)).flatMap((all) => parted(all, MOST_CURVES));
     for (const some of plots.slice(0, MOST_PLOTS)) {
       const there = this.plots.find((p) => p.key === some.join(" "));
       if (there) there.box.scrollIntoView({ block: "nearest" }); else this.openOne(some, { title: some.length > 1 ? title : "" });
@@ -174,70 +153,53 @@ class Report extends Viewer {
     this.redraw();
     return plots.length;
   }
-  grouped(names, keyOf) {                                 // those that some run has, by key, in order
-    const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
-    return [...new Set(found.map(([, key]) => key))].map((key) => found.filter((one) => one[1] === key).map(([name]) => name));
-  }
   openOne(names, { title, range, number }) {
-    const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
-    this.series.forEach((of, k) => {
-      const mine = names.filter((name) => of.has(name));
-      if (!mine.length) return;
-      tables.push([of.time, ...mine.map((name) => of.row(name))]);
-      mine.forEach((name, i) => {
-        const word = names.length > 1 ? alike.cut(name) : "";
-        labels.push(many ? `${name} (${k + 1})` : name);
-        words.push(many ? `${word} (${k + 1})`.trim() : word);
-        inks.push(many ? [k, i] : [i, Math.floor(i / INKS.length)]);
-      });
-    });
+    const sets = this.runs.map((run, k) => ({ run, k, own: curvesOf(names).filter(({ name }) => run.has(name)) })).filter(({ own }) => own.length);
+    const tables = sets.map(({ run, own }) => [run.times, ...own.map(({ name }) => run.row(name))]);
+    const curves = this.runs.length === 1 ? sets[0].own : sets.flatMap(({ k, own }) => own.map(({ name, word }, dash) => (
+      { name: `${name} (${k + 1})`, word: `${word} (${k + 1})`.trim(), ink: k, dash })));
     const [time, ...rows] = tables.length > 1 ? uPlot.join(tables, tables.map((t) => t.map(() => 2))) : tables[0];
-    const bands = names.length === 1 ? this.bands(names[0]) : [], unit = this.series.find((s) => s.has(names[0])).unit(names[0]);
+    const bands = names.length === 1 ? this.bands(names[0]) : [];
     const made = plot(this.meters, {
-      title: title || (names.length === 1 ? names[0] : alike.title), unit, range, number,
-      names: labels, short: words, time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
-      bands, inks, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
+      title: title || common(names).title, unit: this.unit(names[0]), range, number, bands, curves,
+      time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
+      seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
     this.plots.push(Object.assign(made, { key: names.join(" "), bands }));
   }
   bands(name) {                                           // what runs expect of a quantity: what all of them do once, else that of each in its colour
-    const every = this.heads.flatMap(({ words }, run) => words.expect.filter((v) => v.quantity === name && v.over && v.statistic !== "std")
+    const every = this.runs.flatMap(({ head }, run) => head.words.expect.filter((v) => v.quantity === name && v.over && v.statistic !== "std")
       .map(({ statistic, over: [from, to], low, high, ok }) => ({ run, from, to, low, high, ok, mean: statistic === "mean" ? "mean" : "" })));
-    const keyOf = ({ from, to, low, high, mean }) => [from, to, low, high, mean].join(), bands = [];
-    for (const key of new Set(every.map(keyOf))) {
-      const alike = every.filter((one) => keyOf(one) === key), [{ mean }] = alike, ok = alike.every((one) => one.ok), runs = new Set(alike.map((one) => one.run));
-      if (runs.size === this.heads.length) bands.push({ ...alike[0], ok, ink: null, word: mean });   // a curve need not lie in the band of its mean
-      else for (const ink of runs) bands.push({ ...alike[0], ok, ink, word: `expected ${mean} (${ink + 1})`.replace("  ", " ") });
-    }
-    return bands;
+    const alike = Map.groupBy(every, ({ from, to, low, high, mean }) => [from, to, low, high, mean].join());
+    return [...alike.values()].flatMap((some) => {
+      const [{ mean }] = some, inks = [...new Set(some.map(({ run }) => run))], of = { ...some[0], ok: some.every((one) => one.ok) };
+      return inks.length === this.runs.length ? { ...of, ink: null, word: mean }   // a curve need not lie in the band of its mean
+        : inks.map((ink) => ({ ...of, ink, word: `expected ${mean} (${ink + 1})`.replace("  ", " ") }));
+    });
   }
   // At first: the meters of the scene's view; then what else the header names, by unit and last word. The first
   // AT_FIRST are open, the others have a button each.
   openFirst() {
-    const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))], said = el("output", { className: "said" });
+    const every = [...new Set(this.runs.flatMap((run) => [...run.keys()]))], said = el("output", { className: "said" });
     const box = finder("plot a quantity", () => every, (names, text) => {
-      const count = this.open(names, text);
-      said.textContent = count > MOST_PLOTS ? `${text} needs ${count} plots; these are the first ${MOST_PLOTS}` : "";
-    }, (text) => {
-      const near = nearest(text, every);
-      said.textContent = `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
+      const count = this.open(names, text), near = nearest(text, every);
+      said.textContent = count > MOST_PLOTS ? `${text} needs ${count} plots; these are the first ${MOST_PLOTS}`
+        : count ? "" : `no quantity matches ${text}${near ? `; did you mean ${near}?` : ""}`;
     });
     box.append(said);
+    const { meters, plots } = this.head, closed = el("div", { className: "closed" }), most = this.runs.length > 1 ? 2 : MOST_CURVES;
+    const offers = meters.map((meter) => [this.known(meter.names), meter]).filter(([names]) => names.length)
+      .map(([names, meter]) => [meter.title || common(names).title || names.join(", "), () => this.openOne(names, meter)]);
+    const others = plots.filter((name) => !meters.some((meter) => meter.names.includes(name)));
+    for (const names of this.grouped(others, (name) => `${this.unit(name)} ${name.split(".").at(-1)}`)) {
+      const parts = parted(names, most), kinds = parts.map(common), alike = new Set(kinds.map(({ title }) => title)).size < parts.length;
+      parts.forEach((some, i) => {
+        const which = some.length > 2 ? `${i + 1} of ${parts.length}` : some.map(kinds[i].cut).join(", ");
+        offers.push([kinds[i].title + (alike && some.length > 1 ? ` (${which})` : ""), () => this.open(some)]);
+      });
+    }
     this.meters.append(box);
-    const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
-    for (const meter of meters) {
-      const names = meter.names.filter((name) => every.includes(name));
-      if (names.length) offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, meter)]);
-    }
-    const shown = new Set(meters.flatMap((meter) => meter.names)), most = this.heads.length > 1 ? 2 : MOST_CURVES;
-    const lastWord = (name) => name.slice(name.lastIndexOf(".") + 1);
-    for (const names of this.grouped(plots.filter((name) => !shown.has(name)), (name, of) => `${of.unit(name)} ${lastWord(name)}`)) {
-      for (const [i, some] of parted(names, most).entries()) {
-        const title = some.length > 1 ? lastWord(some[0]) : "";
-        offers.push([title ? `${title}${i ? ` ${i + 1}` : ""}` : some[0], () => this.open(some, title)]);
-      }
-    }
-    for (const [title, open] of offers.slice(0, MOST_PLOTS)) {
-      if (this.plots.length < AT_FIRST) { open(); continue; }
+    for (const [title, open] of offers.splice(0, AT_FIRST)) open();
+    for (const [title, open] of offers.slice(0, MOST_PLOTS - AT_FIRST)) {
       const one = button("", `+ ${title}`, "plot this", () => { one.remove(); open(); });
       closed.append(one);
     }
@@ -247,12 +209,12 @@ class Report extends Viewer {
 
 // What was found of runs, in words and tables; and how the page begins.
 
+const UNIT = ["unit", ({ unit }) => (unit === "1" ? "" : unit)];
 const COLUMNS = {
   expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
-    ["range", (v) => v.allowed], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
-    ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
+    ["range", (v) => v.allowed], UNIT, ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.threshold)],
-    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["comparison", (f) => f.why]],
+    UNIT, ["comparison", (f) => f.why]],
 };
 
 function table(kind, rows) {
@@ -302,14 +264,13 @@ function factsOf({ name, words, series, thinned }, whose) {
 async function report(root, scripts) {
   try {
     const heads = scripts.map((s) => JSON.parse(s.textContent));
-    const datas = await Promise.all(scripts.map((s, i) =>
-      unpack(heads[i], s.nextElementSibling.textContent)));
-    globalThis.sandbox = new Report(root, heads, datas);
+    const datas = await Promise.all(scripts.map((s, i) => unpack(heads[i], s.nextElementSibling.textContent)));
+    globalThis.sandbox = new Report(root, heads.map((head, i) => new Run(head, datas[i])));
     document.documentElement.dataset.ready = "1";
     performance.mark("ready");
   } catch (error) {
     root.replaceChildren(el("p", { className: "verdict bad", textContent:
-      `This page cannot be shown: ${error.message}. It needs a browser of 2023 or newer.` }));
+      `This page cannot be shown: ${error.message}. It needs a browser of 2024 or newer.` }));
     throw error;
   }
 }

@@ -25,23 +25,9 @@ function fold(title, ...kids) {
   return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// A choice of SPEEDS and of the speed that take(speed) adds; calls set(speed) if it is chosen.
-function speedBox(set = () => {}) {
-  const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
-  box.take = (speed) => {
-    const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
-    box.replaceChildren(...all.map((v) => el("option", { value: String(v), textContent: `${v}\u00d7` })));
-    box.value = String(speed);
-  };
-  box.faster = (way) => {
-    box.selectedIndex = clamp(box.selectedIndex + way, 0, box.length - 1);
-    box.onchange();
-  };
-  return box;
-}
-
 const STEP = 40;                                          // by which a key moves a picture [px]
-class Viewer {                                            // base class; subclasses have stages, plots, head, t, speeds, playing and redraw()
+// Subclasses have stages, plots, head, t and redraw(), and may have setSpeed(speed) and grab().
+class Viewer {
   constructor(pointer, keys) {                            // keys: [names, words, {key: act}]
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
@@ -52,36 +38,44 @@ class Viewer {                                            // base class; subclas
       for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
       this.redraw();
     } });
-    keys.push(["[ and ]", "slower, faster", { "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1) }],
+    this.speeds = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => this.setSpeed?.(+this.speeds.value) });
+    keys.push(["[ and ]", "slower, faster", { "[": () => this.faster(-1), "]": () => this.faster(1) }],
       ["+, -", "zoom", { "+": () => this.zoom(1.25), "-": () => this.zoom(0.8) }],
       [", . up, down", "move the picture", { ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0),
                                              ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP) }],
       ["0", "fit", { 0: () => this.fit() }], ["s", "save the picture", { s: () => this.picture() }],
       ["?", "these keys", { "?": () => this.help.showModal() }]);
-    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("table", {},
+      ...keys.map((words) => el("tr", {}, ...words.slice(0, 2).map((textContent) => el("td", { textContent }))))),
       el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
-    this.listen(Object.assign({}, ...keys.map(([,, acts]) => acts)));
-  }
-  listen(acts) {                                          // to keys, light and dark
     addEventListener("keydown", (e) => {
-      const on = (what) => e.target.matches?.(what), act = acts[e.key];
+      const on = (what) => e.target.matches?.(what), act = keys.find(([,, acts]) => e.key in acts)?.[2][e.key];
       if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
       if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
       if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // moves the slider
       e.preventDefault();
       act(e);
     });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    DARK.addEventListener("change", () => {
       for (const one of [...this.stages, ...this.plots]) one.dress();
       this.redraw();
     });
+  }
+  offerSpeed(speed) {                                     // one of SPEEDS, or one more
+    const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
+    this.speeds.replaceChildren(...all.map((value) => el("option", { value, textContent: `${value}\u00d7` })));
+    this.speeds.value = speed;
+  }
+  faster(way) {
+    this.speeds.selectedIndex = clamp(this.speeds.selectedIndex + way, 0, this.speeds.length - 1);
+    this.speeds.onchange();
   }
   // Wheel zooms at the pointer, drag pans, double click fits, two fingers pinch. grab(pick, x, y) of a subclass
   // may take a drag for itself and answers with {move, drop}.
   camera(stage, series, read) {
     const { canvas } = stage, down = new Map(), at = (e) => [e.offsetX, e.offsetY];
-    let pinch = 0, moved = 0, grip = null;
+    const middle = (all) => [0, 1].map((k) => (all[0][k] + all.at(-1)[k]) / 2), spread = (all) => apart(all[0], all.at(-1));
+    let moved = 0, grip = null;
     canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
       stage.zoomAt(Math.exp(-clamp(e.deltaY, -300, 300) / 400), ...at(e));
@@ -90,7 +84,7 @@ class Viewer {                                            // base class; subclas
     canvas.onpointerdown = (e) => {
       canvas.setPointerCapture(e.pointerId);
       down.set(e.pointerId, at(e));
-      pinch = 0; moved = 0;
+      moved = 0;
       grip = down.size === 1 ? this.grab?.(stage.pick(...at(e)), ...at(e)) : null;
     };
     canvas.onpointermove = (e) => {
@@ -103,22 +97,17 @@ class Viewer {                                            // base class; subclas
         if (found?.n !== before?.n || found?.value !== before?.value) this.redraw();
         return;
       }
+      const before = [...down.values()], after = [...down.set(e.pointerId, now).values()];
       moved += apart(was, now);
-      down.set(e.pointerId, now);
       if (grip) { grip.move(...now); return; }
-      if (down.size === 1 && moved > 3) {
-        stage.pan[0] += now[0] - was[0]; stage.pan[1] += now[1] - was[1];
-        this.redraw();
-      } else if (down.size > 1) {
-        const [p, q] = [...down.values()], d = apart(p, q);
-        if (pinch) { stage.zoomAt(d / pinch, (p[0] + q[0]) / 2, (p[1] + q[1]) / 2); this.redraw(); }
-        pinch = d;
-      }
+      if (moved <= 3) return;
+      middle(after).forEach((at, k) => { stage.pan[k] += at - middle(before)[k]; });
+      if (after.length > 1) stage.zoomAt(spread(after) / (spread(before) || 1), ...middle(after));
+      this.redraw();
     };
     canvas.onpointerup = canvas.onpointercancel = (e) => {
       if (down.delete(e.pointerId) && grip) { grip.drop(); grip = null; }
       else if (e.type === "pointerup" && moved <= 3) this.click(stage.pick(...at(e)), series);
-      pinch = 0;
     };
     canvas.onpointerleave = () => { stage.hover = null; this.tip.hidden = true; this.redraw(); };
     new ResizeObserver(() => { stage.size = null; this.redraw(); }).observe(canvas);
@@ -144,11 +133,10 @@ class Viewer {                                            // base class; subclas
   layerBoxes(changed) {                                   // folded where they would be larger than the picture
     const [{ layers }] = this.stages;
     const box = fold("layers", el("div", { className: "layers" }, ...this.head.layers.map(({ name, words, about }) => {
-      const tick = el("input", { type: "checkbox", checked: layers.has(name), onchange: () => {
+      const tick = el("input", { type: "checkbox", checked: layers.has(name), "data-layer": name, onchange: () => {
         for (const s of this.stages) if (tick.checked) s.layers.add(name); else s.layers.delete(name);
         changed();
       } });
-      tick.dataset.layer = name;
       return el("label", { title: about }, tick, words);
     })));
     box.open = innerWidth > 900;
@@ -170,16 +158,14 @@ class Viewer {                                            // base class; subclas
   zoom(factor) { for (const s of this.stages) s.zoomAt(factor, s.w / 2, (s.h - s.foot) / 2); this.redraw(); }
   move(x, y) { for (const { pan } of this.stages) { pan[0] += x; pan[1] += y; } this.redraw(); }
   picture() {
-    const canvas = el("canvas");
-    drawAll(this.stages, canvas);
-    canvas.toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
+    drawAll(this.sheets).toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
   }
   record(begin = () => {}) {                              // begin or end a film
     if (this.filming) { this.filming.stop(); return; }
     const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) => globalThis.MediaRecorder?.isTypeSupported(k));
     if (!type) { this.film.textContent = "no film in this browser"; return; }
     begin();
-    const canvas = el("canvas"), size = drawAll(this.stages, canvas), pieces = [];
+    const canvas = drawAll(this.sheets), pieces = [];
     const recorder = new MediaRecorder(canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
     recorder.ondataavailable = (e) => pieces.push(e.data);
     recorder.onstop = () => {
@@ -188,20 +174,20 @@ class Viewer {                                            // base class; subclas
       this.film.textContent = "film";
     };
     recorder.start();
-    this.filming = { frame: () => drawAll(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
+    this.filming = { frame: () => drawAll(this.sheets, canvas), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
 }
 
-// A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), or missed(text).
-function finder(what, every, found, missed) {
+// A field for the name of a quantity or a pattern, of `every()`. Calls found(names, text), also if there are none.
+function finder(what, every, found) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", {
     type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`, ariaLabel: what, autocomplete: "off", maxLength: 1000,
     onfocus: () => list.replaceChildren(...every().map((name) => el("option", { value: name }))),
     onchange: () => {
       const text = input.value.trim(), names = matching(text, every());
-      if (names.length) found(names, text); else if (text) missed(text);
+      if (text) found(names, text);
       if (names.length) input.value = "";
     },
   });
@@ -209,27 +195,21 @@ function finder(what, every, found, missed) {
   return el("div", { className: "adder" }, input, list);
 }
 
-// Draw all stages under their names on one canvas, of a given size for the frames of a film.
-function drawAll(stages, canvas, size = null) {
-  const boxes = stages.map((s) => s.canvas.parentElement.getBoundingClientRect());
-  const [left, top] = [Math.min(...boxes.map((b) => b.left)), Math.min(...boxes.map((b) => b.top))];
-  const [right, bottom] = [Math.max(...boxes.map((b) => b.right)), Math.max(...boxes.map((b) => b.bottom))];
-  const dpr = stages[0].canvas.width / stages[0].canvas.clientWidth || 1;
-  const [w, h] = size || [right - left, bottom - top].map((v) => 2 * Math.ceil(v * dpr / 2));   // films want even sides
-  if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
-  const ctx = canvas.getContext("2d"), k = Math.min(w / (right - left), h / (bottom - top));
+// Draw all pictures and their names as they stand in a box on one canvas, which keeps its size.
+function drawAll(box, given) {
+  const all = box.getBoundingClientRect(), [width, height] = [all.width, all.height].map((v) => 2 * Math.ceil(v * (devicePixelRatio || 1) / 2));
+  const canvas = given || el("canvas", { width, height }), { width: w, height: h } = canvas;   // films want even sides
+  const ctx = canvas.getContext("2d"), k = Math.min(w / all.width, h / all.height);
   ctx.setTransform(1, 0, 0, 1, 0, 0);
-  ctx.fillStyle = stages[0].back; ctx.fillRect(0, 0, w, h);
-  ctx.setTransform(k, 0, 0, k, -k * left, -k * top);
-  for (const { canvas: one } of stages) {
-    const name = one.parentElement.querySelector("h2"), box = one.getBoundingClientRect();
-    if (name) {
-      const at = name.getBoundingClientRect(), style = getComputedStyle(name), bar = parseFloat(style.borderLeftWidth);
-      ctx.fillStyle = style.borderLeftColor; ctx.fillRect(at.left, at.top, bar, at.height);
-      ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
-      ctx.fillText(name.textContent, at.left + bar + 6, at.top + at.height / 2, at.width - bar - 6);
-    }
-    if (box.width) ctx.drawImage(one, box.left, box.top, box.width, box.height);
+  ctx.fillStyle = getComputedStyle(box.parentElement).backgroundColor; ctx.fillRect(0, 0, w, h);
+  ctx.setTransform(k, 0, 0, k, -k * all.left, -k * all.top);
+  for (const one of box.querySelectorAll("h2, canvas")) {
+    const { left, top, width, height } = one.getBoundingClientRect(), style = getComputedStyle(one), bar = parseFloat(style.borderLeftWidth);
+    if (!width) continue;
+    if (one.getContext) { ctx.drawImage(one, left, top, width, height); continue; }
+    ctx.fillStyle = style.borderLeftColor; ctx.fillRect(left, top, bar, height);
+    ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
+    ctx.fillText(one.textContent, left + bar + 6, top + height / 2, width - bar - 6);
   }
-  return [w, h];
+  return canvas;
 }

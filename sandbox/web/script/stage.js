@@ -4,8 +4,9 @@ const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
 const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
+const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
+const TURNS = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // from the side of a label to others, near ones first
 const CIRCLE = { c: [0, 0, 0, 0] };
-const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
 
@@ -26,9 +27,8 @@ function subpath(path, d, radius, x = 0, y = 0, c = 1, s = 0, flip = 1) {
   if (!d.l) path.closePath();
 }
 function polyline(path, points) {
-  for (let i = 0; i < points.length; i++) {
-    if (i) path.lineTo(points[i][0], points[i][1]); else path.moveTo(points[i][0], points[i][1]);
-  }
+  path.moveTo(points[0][0], points[0][1]);
+  for (let i = 1; i < points.length; i++) path.lineTo(points[i][0], points[i][1]);
 }
 function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [px]
   const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, ux = (x1 - x0) / d, uy = (y1 - y0) / d;
@@ -39,11 +39,8 @@ function arrowOn(path, [x0, y0], [x1, y1], shaft, head) { // widths and length [
   path.closePath();
 }
 const alike = (a, b) => a.length === b.length && a.every((one, i) => one === b[i]);
-const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-function mixed(a, b, w) {
-  const [p, q] = [rgb(a), rgb(b)];
-  return `#${p.map((v, i) => Math.round(v + w * (q[i] - v)).toString(16).padStart(2, "0")).join("")}`;
-}
+const DARK = matchMedia("(prefers-color-scheme: dark)");
+const lighter = (colour, percent) => (DARK.matches ? `color-mix(in srgb, ${colour}, #ffffff ${percent}%)` : colour);   // by night
 
 class Stage {
   constructor(head, use) {
@@ -56,7 +53,7 @@ class Stage {
     this.dress();
   }
   dress() {                                               // light or dark colours
-    this.dark = isDark(); this.night = +this.dark;
+    this.night = +DARK.matches;
     this.back = this.ink("paper");
   }
   ink(token, by = 0) {
@@ -65,7 +62,7 @@ class Stage {
     const layer = this.head.ramps[token.slice(1)];        // a ramp that a layer switches off is one colour
     if (layer && !this.layers.has(layer)) return this.ink(this.head.plain);
     const ramp = this.list.ramps[token.slice(1)][by < 0 ? 0 : 1], k = Math.min(ramp.length - 1, Math.floor(Math.abs(by) * (ramp.length - 1) + 0.5));
-    return this.night ? mixed(ramp[k], "#ffffff", by < 0 ? 0.3 : 0.12) : ramp[k];
+    return this.night ? lighter(ramp[k], by < 0 ? 30 : 12) : ramp[k];
   }
 
   // -- camera -----------------------------------------------------------------------------------
@@ -76,12 +73,16 @@ class Stage {
     if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
-    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, this.list.items, ...this.layers];
+    const kept = [w, h, dpr, this.stamp.length, this.night, this.list.items, ...this.layers];
     if (!alike(kept, this.kept)) {                        // all that is worked out once until one of these changes
-      Object.assign(this, { kept, rows: this.legend(), patterns: {}, looks: [], glyphs: {}, widths: new Map(),
+      Object.assign(this, { kept, lines: 1, legendAt: null, patterns: {}, looks: [], glyphs: {}, widths: new Map(),
                             shown: this.list.items.filter((item) => this.layers.has(item.l)) });
     }
-    this.foot = h - Math.floor((h - (1.5 * Math.max(this.rows.length, this.lines, 1) + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
+    if (this.legendAt !== this.scale) {                   // its lines do not become fewer, since that would change the scale again
+      Object.assign(this, { legendAt: this.scale, rows: this.legend(), turned: new Map() });
+      this.lines = Math.max(this.lines, this.rows.length);
+    }
+    this.foot = h - Math.floor((h - (1.5 * this.lines + 0.6) * this.text) * dpr) / dpr;   // from a whole pixel on
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
     const fitted = v.width ? Math.min(w / v.width, room * v.aspect / v.width)
@@ -99,10 +100,6 @@ class Stage {
   }
   px(x, y) { return [this.ox + this.scale * x, this.oy - this.scale * y]; }
   world(x, y) { return [(x - this.ox) / this.scale, (this.oy - y) / this.scale]; }
-  local(f, [x, y]) {                                      // a point of the world in a frame
-    const p = this.pose;
-    return turned([x - p[3 * f], y - p[3 * f + 1]], -p[3 * f + 2]);
-  }
   at(point) {
     const p = this.pose, f = 3 * point[0], x = point[1], y = point[2], c = Math.cos(p[f + 2]), s = Math.sin(p[f + 2]), k = this.scale;
     const at = [this.ox + k * (p[f] + c * x - s * y), this.oy - k * (p[f + 1] + s * x + c * y)];
@@ -128,7 +125,7 @@ class Stage {
   fit() { this.zoom = 1; this.pan = [0, 0]; }
 
   // -- one frame ------------------------------------------------------------------------------------
-  draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}
+  draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}; ghosts: {list, frame, colour}
     const { ctx } = this;
     this.frame = frame; this.pose = frame.pose; this.values = frame.values;
     this.resize();
@@ -150,24 +147,19 @@ class Stage {
     const { edge, width, dash } = this.look(item);
     LINES[item.k](this, item, this.pen(null, edge, width, dash));
   }
-  ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
-    const { ctx, pose, values } = this;
-    this.pose = frame.pose; this.values = frame.values;
-    this.flush();
-    for (const item of head.list.items) {
-      if (item.k !== "path" || !this.layers.has(item.l) || this.list.styles[item.s]?.[4]) continue;
-      const path = this.path(item);
-      this.place(item.f);
-      ctx.fillStyle = `${colour}18`; ctx.fill(path, item.m ? "nonzero" : "evenodd");
-      this.stroke(path, colour, 1.2 * this.u / this.scale);
-    }
-    this.pose = pose; this.values = values;
+  ghost({ list, frame, colour }) {                        // areas of another run, in its colour
+    const { pose, values } = this, fill = `color-mix(in srgb, ${colour} 9%, transparent)`;
+    Object.assign(this, { pose: frame.pose, values: frame.values, tint: { fill, edge: colour, width: 1.2 * this.u, dash: 0 } });
+    const seen = (item) => item.k === "path" && this.layers.has(item.l) && this.on(item) && !list.styles[item.s]?.[4];
+    for (const item of list.items) if (seen(item)) PAINT.path(this, item);
+    Object.assign(this, { pose, values, tint: null });
   }
   value(v) { return typeof v === "number" ? v : this.values[v[0]]; }
   choice(item, all) {                                     // of a list, the one that the item's state picks
     return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
   }
   look(item) {                                            // {fill, edge, width, dash [px], hatched}
+    if (this.tint) return this.tint;
     const number = this.choice(item, item.s), lit = item.n && this.hover?.n === item.n;
     if (item.by === undefined && item.wide === undefined && !lit) return this.looks[number] ??= this.lookOf(this.list.styles[number], 0, this.thin);
     const by = item.by === undefined ? 0 : this.value(item.by), wide = item.wide === undefined ? 1 : this.value(item.wide);
@@ -232,13 +224,6 @@ class Stage {
     const u = this.u * (this.small ? 0.8 : 1);
     arrowOn(path, tail, tip, shaft * u + more, head * u + more);
   }
-  cutBars(tail, tip, half, ink) {                         // across an arrow that would be longer
-    const d = apart(tail, tip) || 1, [ux, uy] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d], lean = 2 * this.u;
-    for (const w of [0.4, 0.5]) {
-      const [x, y] = [tail[0] + w * d * ux, tail[1] + w * d * uy];
-      polyline(this.pen(null, ink, 1.8 * this.u), [[x + uy * half - ux * lean, y - ux * half - uy * lean], [x - uy * half + ux * lean, y + ux * half + uy * lean]]);
-    }
-  }
   vectors(item) {                                         // [row, tail, tip, size] of arrows in sight, small ones first
     const found = [];
     for (const row of this.frame.tables[item.t] || []) {
@@ -249,21 +234,22 @@ class Stage {
     return found.sort((a, b) => a[3] - b[3]);
   }
   grid() {                                                // lines of equal x and equal y
-    const step = roundLength(175 * this.u / this.scale), [x0, y0] = this.world(0, this.h - this.foot), [x1, y1] = this.world(this.w, 0);
-    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"], count = (low, high) => [Math.ceil(low / step), Math.floor(high / step)];
-    const put = (n, path, tip) => {
-      polyline(this.pen(null, this.ink("hairline"), (n ? 0.9 : 1.8) * this.u), path);
-      this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
-    };
-    const [[a, b], [c, d]] = [count(x0, x1), count(y0, y1)];
-    for (let n = a; n <= Math.min(b, a + 200); n++) put(n, [this.px(n * step, y0), this.px(n * step, y1)], [this.px(n * step, 0)[0], this.h - this.foot]);
-    for (let n = c; n <= Math.min(d, c + 200); n++) put(n, [this.px(x0, n * step), this.px(x1, n * step)], [this.text * 2.4, this.px(0, n * step)[1]]);
+    const bottom = this.h - this.foot, low = this.world(0, bottom), high = this.world(this.w, 0), step = roundLength(175 * this.u / this.scale);
+    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"];
+    for (const k of [0, 1]) {
+      for (let n = Math.ceil(low[k] / step); n * step <= Math.min(high[k], low[k] + 200 * step); n++) {
+        const path = [low, high].map((end) => this.px(...end.with(k, n * step)));
+        polyline(this.pen(null, this.ink("hairline"), (n ? 0.9 : 1.8) * this.u), path);
+        this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip: k ? [this.text * 2.4, path[0][1]] : [path[0][0], bottom],
+                          side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
+      }
+    }
   }
   // -- texts ------------------------------------------------------------------------------------------
   // A text at its side: that of the list, or else, once and for all, the one that its arrow points to.
   say(item, key, text, tip, away, ink, size) {
     const { head } = this;
-    let place = item.k === "text" ? ("side" in item ? [item.side, item.show] : null) : item.labels?.[key];
+    let place = item.k === "text" ? ("side" in item ? item.place ??= [item.side, item.show] : null) : item.labels?.[key];
     if (!place && (head.live || !item.placed)) {
       item.sides ??= {};
       place = item.sides[key] ??= [away ? (Math.round(Math.atan2(-away[1], away[0]) / (Math.PI / 4)) + 8) % 8 : 2, 1];
@@ -271,61 +257,77 @@ class Stage {
     if (!place || this.value(place[1]) <= 0.5) return;
     const texts = item.texts ??= {};
     text = texts[key] = (this.keepTexts && texts[key]) || text;
-    this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
+    this.words.push({ text, tip, place, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u,
+                      number: item.k !== "text" || "value" in item });
   }
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
   write() {                                               // of two on one spot the first stays
-    const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
+    const { ctx } = this, taken = [], most = this.small ? FEW : MOST;
     let numbers = 0;
     ctx.font = `600 ${this.text}px ${FONT}`;
     ctx.globalAlpha = 0.6;                                // of lines to labels farther off
     this.plain();
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
-    for (const { text, tip, side, ink, clear, number } of this.words) {
+    for (const word of this.words) {
+      const { place, side: own, number } = word, kept = this.turned.get(place);
       if (number && numbers >= most) continue;
-      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
-      const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
-      const x = clamp(wanted[0], w, this.w - w), y = clamp(wanted[1], h, bottom - h);
-      if (apart(wanted, [x, y]) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) continue;
-      taken.push({ x, y, w, text, ink });
+      let side = kept ?? own, at = this.spot(word, side, taken);
+      if (!at && place && !(this.moving && kept !== undefined)) {   // the nearest side with room, which it keeps during a motion
+        side = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((one) => (at = this.spot(word, one, taken)));
+      }
+      if (!at) continue;
+      if (place && kept !== side) this.turned.set(place, side);
+      taken.push(at);
       numbers += number ? 1 : 0;
-      if (far) polyline(this.pen(null, ink, 1), [[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]);
+      if (at.line) polyline(this.pen(null, word.ink, 1), at.line);
     }
     this.flush();
     Object.assign(ctx, { globalAlpha: 1, textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: this.back });
     for (const { text, x, y } of taken) ctx.strokeText(text, x, y);
     for (const { text, x, y, ink } of taken) { ctx.fillStyle = ink; ctx.fillText(text, x, y); }
   }
+  spot({ text, tip, ink, clear }, side, taken) {          // of a label at a side; null if it would be outside, or on another one
+    const { u } = this, w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+    const wx = tip[0] + dx * (w + reach), wy = tip[1] - dy * (h + reach), x = clamp(wx, w, this.w - w), y = clamp(wy, h, this.h - this.foot - h);
+    if (Math.hypot(wx - x, wy - y) > INSIDE * u || taken.some((one) => Math.abs(x - one.x) < w + one.w && Math.abs(y - one.y) < 2 * h)) return null;
+    return { x, y, w, text, ink, line: far && [2 * u, reach - u].map((away) => [tip[0] + dx * away, tip[1] - dy * away]) };
+  }
   widthOf(text) {                                         // of a label; digits have one width
     if (this.widths.size > 2000) this.widths.clear();
     if (!this.widths.has(text)) this.widths.set(text, this.ctx.measureText(text.replace(/\d/g, "0")).width);
     return this.widths.get(text);
   }
-  legend() {                                              // rows of entries that fit: {row, symbol, words, width}
-    const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
-    ctx.font = `600 ${this.text}px ${FONT}`;
-    const room = ctx.measureText(`${this.stamp}00`).width + 2 * this.text;
-    ctx.font = `${this.text}px ${FONT}`;
-    let used = Infinity;
-    const shown = this.list.legend.filter((row) => this.layers.has(row.l));
-    for (const row of shown.filter((one, k) => shown[k + 1]?.instead !== one.l)) {
-      let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
+  legend() {                                              // rows of {row, lead, symbol, before, after, needs}: of all entries, or of the first ones
+    const all = this.list.legend.filter((row) => this.layers.has(row.l)), wanted = all.filter((one, k) => all[k + 1]?.instead !== one.l);
+    const most = clamp(Math.floor((LEGEND * this.h / this.text - 0.6) / 1.5), 1, 3);
+    for (;; wanted.pop()) {
+      for (const [count, share] of [[2, 1], [2, 0.5], [3, 1], [3, 0.5]]) {
+        const found = this.arranged(wanted, Math.min(count, most), share);
+        if (found) return found;
+      }
+    }
+  }
+  arranged(legend, count, share) {                        // each in the first row with room, or null; symbols have a share of their width
+    const { ctx, u, scale, text } = this, width = this.w - 2 * text;
+    ctx.font = `600 ${text}px ${FONT}`;
+    const stamp = ctx.measureText(`${this.stamp}00`).width + 2 * text;
+    const rows = Array.from({ length: count }, (_, k) => ({ room: k ? width : width - stamp, entries: [] }));
+    ctx.font = `${text}px ${FONT}`;
+    for (const row of legend) {
+      let symbol = row.k === "ramp" ? share * 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
-        const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
-        symbol = size * row.metres * (this.scale || 0);
+        const size = roundLength(share * (row.size ? 52 : 80) * u / (row.metres * scale || 1));
+        symbol = size * row.metres * (scale || 0);
         after = row.size ? `${+size.toPrecision(6)} ${row.unit} ${row.words}` : lengthText(size);
       }
       const before = row.before || "", lead = before ? ctx.measureText(before).width + 5 * u : 0, needs = lead + symbol + ctx.measureText(after).width + 22 * u;
-      if (used + needs > width - (rows.length === 1 ? room : 0)) {
-        if (rows.length === (this.small ? 1 : 2)) continue;
-        rows.push([]); used = 0;
-        if (needs > width - room) continue;
-      }
-      rows[rows.length - 1].push({ row, lead, symbol, before, after, needs });
-      used += needs;
+      const free = rows.find(({ room }) => needs <= room);
+      if (!free) return null;
+      free.entries.push({ row, lead, symbol, before, after, needs });
+      free.room -= needs;
     }
-    return rows.filter((row) => row.length);
+    return rows.map(({ entries }) => entries).slice(0, 1 + rows.findLastIndex(({ entries }) => entries.length));
   }
   strip() {                                               // the legend and the time
     const { ctx, w, h, foot, text, u } = this, faint = this.ink("faint_ink");
@@ -364,21 +366,19 @@ class Stage {
   pick(x, y, of = () => true) {
     const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr], { bodies } = this.head;
     const pair = (key) => `${bodies[Math.floor(key / bodies.length)].name}/${bodies[key % bodies.length].name}`;
-    for (const item of [...this.shown].reverse()) {
+    for (const item of this.shown.toReversed()) {
       const f = item.k === "path" ? item.f : -1, path = new Path2D();
       if (!item.n || !of(f) || !this.on(item)) continue;
-      if (item.k === "arrows") {
-        for (const [row, tail, tip, size] of this.vectors(item).reverse()) {
-          const one = new Path2D();
-          this.arrow(one, tail, tip, item.size);
-          if (ctx.isPointInPath(one, px, py)) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value: this.arrowText(item, row, size) };
-        }
-        continue;
-      }
+      const [row,,, size] = item.k !== "arrows" ? [] : this.vectors(item).findLast(([, tail, tip]) => {
+        const arrow = new Path2D();
+        this.arrow(arrow, tail, tip, item.size);
+        return ctx.isPointInPath(arrow, px, py);
+      }) || [];
+      if (row) return { n: item.l === "contacts" ? pair(row[1]) : item.n, f, value: this.arrowText(item, row, size) };
       if (f >= 0) this.place(f);
       if (item.k in LINES) LINES[item.k](this, item, path);
       ctx.lineWidth = REACH;
-      const hit = item.k === "mark" ? apart(this.at(item.at), [x, y]) <= REACH / 2
+      const hit = item.k === "arrows" ? false : item.k === "mark" ? apart(this.at(item.at), [x, y]) <= REACH / 2
         : f >= 0 ? ctx.isPointInPath(this.path(item), px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(path, px, py);
       this.plain();
       if (hit) return { n: item.n, f };
