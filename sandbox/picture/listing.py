@@ -155,8 +155,8 @@ class Listing:
         return len(self.columns), len(self.tables), len(self._made)
 
     def share_styles(self, other: Listing) -> None:
-        """Use the styles and glyphs of another list, with the same numbers."""
-        self.styles, self.glyphs = other.styles, other.glyphs
+        """Use the inks, styles and glyphs of another list, with the same numbers."""
+        self.inks, self.styles, self.glyphs = other.inks, other.styles, other.glyphs
         self._known = {tuple(style): number for number, style in enumerate(other.styles)}
 
     @classmethod

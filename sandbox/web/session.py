@@ -90,7 +90,8 @@ class Session:
         self.trouble, self._due = "", 0.0
         self._end = round(live.scene.run.duration / live.scene.run.step)
         """Steps to the end of the scene, where it pauses once."""
-        self.frames.layers = self._layers
+        if self._layers is not None:
+            self.frames.layers = self._layers
         watched = self._watched
         if watched is None:  # at first the view's meters, else the usual quantities
             shown = dict.fromkeys(name for meter in self.frames.meters for name in meter["names"])
