@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
 import struct
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
@@ -97,9 +97,8 @@ class GifWriter:
             words, disposal = frame, KEEP
             new = np.ones(frame.shape, dtype=bool) if self._last is None else frame != self._last
             self._last = words
-        rows = np.flatnonzero(new.any(axis=1)).tolist() or [0]
-        columns = np.flatnonzero(new[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        left, top, right, low = Image.fromarray(new).getbbox() or (0, 0, 1, 1)
+        box = slice(top, low), slice(left, right)
         some = words[box][new[box]]
         unknown = np.unique(some[self._places[some] == CLEAR])
         apart = colours(unknown).astype(np.int32)[:, None] - self._palette
@@ -108,7 +107,7 @@ class GifWriter:
         cut[new[box]] = self._places[some]
         image = Image.fromarray(cut)
         image.putpalette(self._table)
-        blocks = GifImagePlugin.getdata(image, (columns[0], rows[0]), duration=10 * hundredths,
+        blocks = GifImagePlugin.getdata(image, (left, top), duration=10 * hundredths,
                                         disposal=disposal, transparency=CLEAR)
         self._file.write(b"".join(blocks))
 
@@ -234,8 +233,7 @@ def frame_times(run: Samples, *, fps: int, speed: float, start: float = 0.0,
             f"most {most} (the limit 'frames', raised by --limit frames=N or most_frames)",
             code="limit-exceeded")
     start, step = min(start, end), speed / fps
-    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
-    return [start + k * step for k in range(count)] + [end]
+    return [start + k * step for k in range(math.ceil((end - start) / step - 1e-6))] + [end]
 
 
 class Moment(NamedTuple):
@@ -283,15 +281,12 @@ def _moment(run: Samples, given: Any) -> Moment:
 
 
 def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Moment]:
-    if isinstance(strip, bool) and at is not None:
-        return instants(run, at)
-    if at is not None:
+    if at is not None and not isinstance(strip, bool):
         raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
                           "pass strip=True with at, or a number without", code="bad-picture")
-    end = float(run.time[-1])
-    if strip is False:
-        return [Moment(end, ENDS[1])]
-    count = PICTURES if strip is True else strip
+    if at is not None or strip is False:
+        return instants(run, ENDS[1] if at is None else at)
+    count, end = PICTURES if strip is True else strip, float(run.time[-1])
     if not 2 <= count <= MAX_PICTURES:
         raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MAX_PICTURES} pictures",
                           code="bad-picture")
@@ -365,13 +360,8 @@ def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
     """Run ``produce`` in this thread, and ``consume`` its items, in order, in another one."""
     with ThreadPoolExecutor(1, "encoder") as encoder:
-        waiting: deque[Future[None]] = deque()
-        try:
-            for item in produce:
-                waiting.append(encoder.submit(consume, item))
-                if len(waiting) > 8:  # frames that may wait to be encoded
-                    waiting.popleft().result()
-            for each in waiting:
-                each.result()
-        finally:
-            encoder.shutdown(cancel_futures=True)
+        consumed: Future[Any] = encoder.submit(int)
+        for item in produce:
+            consumed.result()
+            consumed = encoder.submit(consume, item)
+        consumed.result()
