@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -22,9 +21,7 @@ KINDS: dict[str, dict[str, Any]] = {
                "markeredgewidth": 1.1},
     "dots": {"linestyle": "", "marker": "o", "markersize": 3.5, "markeredgewidth": 0},
     "rug": {"linestyle": "", "marker": "|", "markersize": 8},
-    "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4.5},
 }  # line properties by kind of curve
-MARKERS = "os^Dv"
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
 PLANE = 70.0  # height of panels with equal scales [mm]
@@ -47,7 +44,7 @@ class Curve(NamedTuple):
     label: str  # empty for a curve without a name
     x: Array
     y: Array
-    kind: Literal["line", "dashed", "points", "dots", "rug", "joined"] = "line"
+    kind: Literal["line", "dashed", "points", "dots", "rug"] = "line"
     """A ``rug`` is strokes at the bottom of the panel."""
     look: Mapping[str, Any] = {}
     """Properties of the line that differ from those of the kind; with a colour, all is given."""
@@ -92,13 +89,6 @@ class Panel:
                 if of == "x" or curve.kind != "rug"]
         values = np.concatenate([np.empty(0), *rows])
         return np.asarray(values[np.isfinite(values)])
-
-
-def save_panels(
-    path: Path, panels: Sequence[Panel] | Sequence[Sequence[Panel]], **how: Any,
-) -> None:
-    """Draw panels into a file; see :func:`draw`. OutputError if it cannot be written."""
-    style.save_figure(draw(panels, **how), path)
 
 
 def draw(
@@ -189,8 +179,6 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
             how["color"] = style.hue(place)
             if curve.kind == "line":
                 how["linestyle"] = style.dash(place)
-            elif curve.kind == "joined":
-                how["marker"] = MARKERS[place % len(MARKERS)]
         if curve.kind == "rug":
             how["transform"], y = axes.get_xaxis_transform(), np.full(len(curve.x), 0.02)
         elif curve.kind == "points" and len(curve.x) > MANY_POINTS and \
@@ -236,5 +224,4 @@ def _roomy(values: Array) -> tuple[float, float]:
     low, high = float(values.min()), float(values.max())
     peak, middle = max(abs(low), abs(high)), 0.5 * (low + high)
     span = max(high - low, 1e-3 * peak, 1e-9) if peak > 1e-12 else 1.0  # values below this are zero
-    low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
-    return low - 0.06 * span, high + 0.08 * span
+    return middle - 0.56 * span, middle + 0.58 * span

@@ -30,7 +30,7 @@ def test_units_that_people_read() -> None:
     assert style.shown_as("1") == style.Shown(1, "", "")
 
 
-@pytest.mark.parametrize("suffix", style.SUFFIXES)
+@pytest.mark.parametrize("suffix", style.METADATA)
 def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> None:
     for name in "ab":
         figure = style.new_figure(60)
