@@ -22,6 +22,7 @@ from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend
 from sandbox.picture.listing import Item, Listing, SomeSamples
@@ -209,10 +210,7 @@ class LiveFrames:
         points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
         new = min(self.live.steps - self._steps, len(arrays["time"]))
         some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
-        pose, found = arrays["body_pose"][some], []
-        for body, x, y in points:
-            c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
-            found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
+        found = [placed(arrays["body_pose"][some, body], np.array([x, y])) for body, x, y in points]
         return np.array(found).reshape(len(found), len(some), 2)
 
     def _mean_contacts(self, arrays: Arrays, sample: int) -> Array:

@@ -61,8 +61,7 @@ def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
     known = np.isfinite(columns)
     low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
     high = np.where(known, columns, -np.inf).max(axis=1, initial=-np.inf)
-    some = np.isfinite(low) & np.isfinite(high)
-    low, high = np.where(some, low, 0.0), np.where(some, high, 0.0)
+    low, high = np.where(high >= low, (low, high), 0.0)
     low = np.array([float(f"{v:.10g}") for v in low])
     with np.errstate(over="ignore"):
         span = np.minimum(np.maximum(high - low, 0.0), 1e308)
