@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, NamedTuple, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,8 +72,7 @@ def colours(words: Words) -> NDArray[np.uint8]:
 
 def packed(pixels: NDArray[np.uint8]) -> Words:
     """Red, green, blue [..., 3 or 4] as words."""
-    red, green, blue = (pixels[..., k].astype(np.uint32) for k in range(3))
-    return np.asarray(red | green << 8 | blue << 16, dtype=np.uint32)
+    return np.asarray(pixels[..., :3] @ np.array([1, 1 << 8, 1 << 16], dtype=np.uint32))
 
 
 class GifWriter:
@@ -319,7 +318,12 @@ def _animate(run: Samples, path: Path, times: Sequence[float], layout: Mapping[s
         return
     with atomic_file(path) as aside:
         if ending == ".mp4":
-            _write_mp4(drawn(), view.fps, aside)
+            optional("av", "'sandbox-mechanics[mp4]'")
+            import imageio.v3 as iio
+
+            with iio.imopen(aside, "w", plugin="pyav") as film:
+                cast(Any, film).init_video_stream("libx264", fps=view.fps, pixel_format="yuv420p")
+                side_by_side(drawn(), lambda frame: cast(Any, film).write_frame(colours(frame)))
             return
         some: list[Any] = [draw(times[k]) for k in np.unique(
             np.linspace(0, len(times) - 1, 5).astype(int))]
@@ -345,16 +349,6 @@ def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -
     for old in directory.glob(FRAME):
         if old.name not in kept:
             old.unlink()
-
-
-def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
-    optional("av", "'sandbox-mechanics[mp4]'")
-    import imageio.v3 as iio
-
-    with iio.imopen(path, "w", plugin="pyav") as file:
-        film: Any = file
-        film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(frames, lambda frame: film.write_frame(colours(frame)))
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:

@@ -89,8 +89,14 @@ class LiveFrames:
     def _own_meters(self) -> Iterator[dict[str, Any]]:
         view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
         for meter in meters_of(view, self.look.catalogue):
-            wrong = {name: why for name in meter["names"] if name not in self.units
-                     and (why := _unreadable(self.live, name))}
+            wrong = dict[str, str]()  # why it cannot be read during a run, by name
+            for name in meter["names"]:
+                try:
+                    self.live[name]
+                except SceneError as error:
+                    wrong[name] = error.problems[0].message
+                except UnknownQuantityError as error:
+                    wrong[name] = str(error)
             names = [name for name in meter["names"] if name not in wrong]
             part = "a curve of a meter" if names else "a meter"
             self.left_out += [f"{part} of the view is left out: {why}"
@@ -110,10 +116,6 @@ class LiveFrames:
             for quantity in PAIR:
                 name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
                 yield name, self.look.catalogue.find(name).unit
-
-    def has(self, name: str) -> bool:
-        """Whether frames can have a quantity, a meter of the view or one of a pair."""
-        return name in self.units or ("/" in name and name in self.look.catalogue)
 
     def drawing(self) -> dict[str, Any]:
         """Data that a ``Stage`` needs before the first frame."""
@@ -238,14 +240,3 @@ class LiveFrames:
             np.full(len(keys), sample), np.where(swapped, other * bodies + one, keys),
             summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
             sign * summed(fy)])
-
-
-def _unreadable(live: Live, word: str) -> str:
-    """Why a quantity or an expression cannot be read during a run; empty if it can."""
-    try:
-        live[word]
-    except SceneError as error:
-        return error.problems[0].message
-    except UnknownQuantityError as error:
-        return str(error)
-    return ""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
-from sandbox.errors import Problem, SandboxError, SceneError
+from sandbox.errors import SandboxError, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
@@ -96,7 +96,8 @@ class Session:
             usual = ([name for name in names if name in self.frames.units]
                      for names in self._look.catalogue.usual.values())
             watched = [*shown][:MAX_METERS] or next(filter(None, usual), [])[:FIRST_METERS]
-        self.frames.watched = [name for name in watched if self.frames.has(name)]
+        self.frames.watched = [name for name in watched if name in self.frames.units or (
+            "/" in name and name in self._look.catalogue)]
 
     # -- answers ---------------------------------------------------------------------------
 
@@ -193,7 +194,10 @@ class Session:
         try:
             answers = self._answers(message)
         except SceneError as error:
-            answers = [{"error": "; ".join(map(_in_line, error.problems))}]
+            answers = [{"error": "; ".join(
+                f"{problem.path}: " * problem.path.startswith("$.") + str(WrongValueError(
+                    problem.code, problem.message, allowed=problem.allowed, hint=problem.hint))
+                for problem in error.problems)}]
         except (SandboxError, WrongValueError) as error:
             answers = [{"error": str(error)}]
         except Exception as error:  # the run goes on, whatever was sent
@@ -335,10 +339,3 @@ class Session:
             return {"said": f"the run is in {place}"}
 
         return save
-
-
-def _in_line(problem: Problem) -> str:
-    """A problem in one line, with its path in the scene."""
-    place = f"{problem.path}: " if problem.path.startswith("$.") else ""
-    return place + str(WrongValueError(problem.code, problem.message, allowed=problem.allowed,
-                                       hint=problem.hint))
