@@ -83,13 +83,6 @@ class Panel:
         """Its curves."""
         return [mark for mark in self.marks if isinstance(mark, Curve)]
 
-    def values(self, of: Literal["x", "y"]) -> Array:
-        """All finite coordinates of its curves."""
-        rows = [np.ravel(getattr(curve, of)) for curve in self.curves
-                if of == "x" or curve.kind != "rug"]
-        values = np.concatenate([np.empty(0), *rows])
-        return np.asarray(values[np.isfinite(values)])
-
 
 def draw(
     panels: Sequence[Panel] | Sequence[Sequence[Panel]], *, title: str = "",
@@ -198,8 +191,10 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
 
 
 def _scale(axes: Any, panel: Panel) -> None:
-    for along, axis, one, values in (("x", axes.xaxis, panel.x, panel.values("x")),
-                                     ("y", axes.yaxis, panel.y, panel.values("y"))):
+    for along, axis, one in (("x", axes.xaxis, panel.x), ("y", axes.yaxis, panel.y)):
+        some = [curve for curve in panel.curves if along == "x" or curve.kind != "rug"]
+        values = np.concatenate([np.empty(0), *(getattr(curve, along) for curve in some)])
+        values = values[np.isfinite(values)]
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
         elif along == "y" and not one.words:

@@ -37,8 +37,6 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
         value, tuple) else value for key, value in given.items()
                if value is not None and not (key == "size" and paper_of(value))}
-    if not changes:
-        return view
     with suppress(ValueError, OverflowError):  # View refuses these as they are
         if "show" in changes:
             changes["show"] = {**view.show, **parse_layers(changes["show"])}
