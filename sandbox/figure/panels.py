@@ -50,19 +50,14 @@ class Curve(NamedTuple):
     """Properties of the line that differ from those of the kind; with a colour, all is given."""
 
 
-class Custom(NamedTuple):
-    """A mark that matplotlib draws in one call, such as a histogram."""
-
-    draw: Callable[[Any], object]  # called with the axes
+Mark = Curve | Callable[[Any], object]
+"""A curve, or what else is drawn, such as a histogram: called with the axes of matplotlib."""
 
 
-Mark = Curve | Custom
-
-
-def upright(x: float, **look: Any) -> Custom:
+def upright(x: float, **look: Any) -> Mark:
     """A vertical line."""
-    return Custom(lambda axes: axes.axvline(
-        x, **{"color": style.GREY, "linewidth": 0.8, "zorder": 1.5, **look}))
+    return lambda axes: axes.axvline(
+        x, **{"color": style.GREY, "linewidth": 0.8, "zorder": 1.5, **look})
 
 
 @dataclass(frozen=True)
@@ -183,8 +178,8 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
         if curve.label:
             names.setdefault(curve.label, line)
     for mark in panel.marks:
-        if isinstance(mark, Custom):
-            mark.draw(axes)
+        if not isinstance(mark, Curve):
+            mark(axes)
     _scale(axes, panel)
     style.show_coincident(axes, lines)
     return list(names.items())

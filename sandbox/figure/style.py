@@ -52,7 +52,6 @@ class Shown(NamedTuple):
 
     factor: float
     unit: str
-    sign: str  # suffix of a number, such as " mm" or "°"
 
     def label(self, name: str) -> str:
         """Label of an axis."""
@@ -62,10 +61,10 @@ class Shown(NamedTuple):
 def shown_as(unit: str, *rows: Array) -> Shown:
     """Angles in degrees, lengths in mm if all ``rows`` [SI] are small, everything else in SI."""
     if unit in ("rad", "rad/s"):
-        return Shown(180 / math.pi, unit.replace("rad", "deg"), "°" if unit == "rad" else " deg/s")
+        return Shown(180 / math.pi, unit.replace("rad", "deg"))
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
-        return Shown(1e3, "mm", " mm")
-    return Shown(1.0, "" if unit == "1" else unit, f" {unit}" if unit not in ("1", "") else "")
+        return Shown(1e3, "mm")
+    return Shown(1.0, "" if unit == "1" else unit)
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, draw, upright
+from sandbox.figure.panels import Axis, Curve, Mark, Panel, draw, upright
 from sandbox.numeric import Array, Flags
 
 MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
@@ -133,8 +133,8 @@ def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
     if drawing.grid:
         return [panel]
     finite = y[np.isfinite(y)]
-    histogram = [Custom(lambda axes: axes.hist(
-        finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
+    histogram: list[Mark] = [lambda axes: axes.hist(
+        finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75)]
     return [panel, Panel("", Axis("runs"), Axis(),
                          histogram if len(finite) and not _equal(finite) else [], "", PANEL)]
 
@@ -176,8 +176,8 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
     if found is None or found.path != varied.name:
         return []
     factor = style.shown_as(varied.unit, varied.values).factor
-    return [Custom(lambda axes: axes.axvspan(factor * found.low, factor * found.high,
-                                             color=style.BAND, linewidth=0, zorder=0)),
+    return [lambda axes: axes.axvspan(factor * found.low, factor * found.high,
+                                      color=style.BAND, linewidth=0, zorder=0),
             upright(factor * found.at, **{"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
@@ -205,7 +205,7 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
     lost, look = drawing.failed, drawing.doubtful
     dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
     return Panel(z_axis.label, _at_centres(x_axis, xs), _at_centres(y_axis, ys), [
-        Custom(paint),
+        paint,
         Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
         Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
         "", MAP, grid="")
@@ -269,7 +269,7 @@ def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
 
     short = [path if len(path) <= MAX_LETTERS else f"…{path[1 - MAX_LETTERS:]}" for path in paths]
     return Panel(panel.name, Axis(panel.x), Axis(
-        words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(paint)], "",
+        words=short, limits=(len(paths) - 0.5, -0.5)), [paint], "",
         ROW * len(paths), grid="x")
 
 

@@ -25,9 +25,9 @@ def test_units_that_people_read() -> None:
     assert style.shown_as("rad").factor == pytest.approx(57.29578)
     assert style.shown_as("rad/s").unit == "deg/s"
     assert style.shown_as("m", small).unit == "mm"
-    assert style.shown_as("m", small, large) == style.Shown(1, "m", " m")
-    assert style.shown_as("N m") == style.Shown(1, "N m", " N m")
-    assert style.shown_as("1") == style.Shown(1, "", "")
+    assert style.shown_as("m", small, large) == style.Shown(1, "m")
+    assert style.shown_as("N m") == style.Shown(1, "N m")
+    assert style.shown_as("1") == style.Shown(1, "")
 
 
 @pytest.mark.parametrize("suffix", style.METADATA)
