@@ -345,10 +345,8 @@ def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -
 
     remove_stale(directory)
     side_by_side(enumerate(frames), save)
-    kept = {f"frame_{k:05d}.png" for k in range(count)}
-    for old in directory.glob(FRAME):
-        if old.name not in kept:
-            old.unlink()
+    for old in sorted(directory.glob(FRAME))[count:]:
+        old.unlink()
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
