@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -48,12 +49,10 @@ def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
     """A trial run of the scene, as far as the time allows: it gives the picture its scales."""
     simulation, began = Simulation(scene), time.perf_counter()
     every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
-    try:
+    with suppress(SimulationDiverged):
         while not simulation.finished and (
                 simulation.steps < 2 * every or time.perf_counter() - began < seconds):
             simulation.step(AT_ONCE)
-    except SimulationDiverged:
-        pass
     return simulation.recording()
 
 
@@ -106,16 +105,15 @@ class LiveFrames:
             if names:
                 yield {**meter, "names": names}
 
-    def _pairs(self) -> Iterator[tuple[str, str]]:
+    def _pairs(self) -> dict[str, str]:
         """Quantities of the pairs of bodies that touched in the trial run, with their units."""
         arrays, bodies = self.look.arrays, self.live.scene.bodies
         pairs = np.unique(np.sort(np.stack(
             (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
-        for a, b in pairs[:MAX_PAIRS].tolist():
-            one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
-            for quantity in PAIR:
-                name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                yield name, self.look.catalogue.find(name).unit
+        named = ((bodies[b].name, bodies[a].name) if bodies[a].motion == "fixed" else
+                 (bodies[a].name, bodies[b].name) for a, b in pairs[:MAX_PAIRS].tolist())
+        return {f"{one}/{other}.{quantity}": unit for one, other in named
+                for quantity, unit in PAIR.items()}
 
     def drawing(self) -> dict[str, Any]:
         """Data that a ``Stage`` needs before the first frame."""
@@ -123,7 +121,7 @@ class LiveFrames:
                 "head": list(HEAD), "drives": len(self.live.scene.drives),
                 "meters": self.meters, "units": {
                     **{name: self.units[name] for name in self.look.catalogue.telling
-                       if name in self.units}, **self.units, **dict(self._pairs())}}
+                       if name in self.units}, **self.units, **self._pairs()}}
 
     def _list(self) -> dict[str, Any]:
         self._sent = self._subject.out.items

@@ -106,8 +106,7 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
     """Frames of a display list and quantities of a run; ``width`` of the picture [m]."""
     time, moves = run.time, moving(out)
     pose = out.pose[:, moves].reshape(len(time), -1)
-    keep = kept_samples(time, pose, width)
-    frames = np.flatnonzero(keep)
+    frames = np.flatnonzero(kept_samples(time, pose, width))
     blocks, said = Blocks(), []
     blocks.add("t", time[None, frames], bits=24)
     blocks.add("pose", np.ascontiguousarray(pose[frames].T))

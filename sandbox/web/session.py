@@ -108,14 +108,13 @@ class Session:
 
     def status(self) -> Answer:
         """The texts beside the picture: whether it runs, how fast, errors."""
-        note, file = "", Path(self.loaded.name)
+        note = ""
         if not self.playing and self.live.steps == self._end:
             note = (f"The scene ends at {self.scene.run.duration:.6g} s. "
                     "Press run to continue, or reset to go back to the start.")
         # without the folder of the scene's file, which the user knows
-        trouble, *warnings = (
-            text.replace(self.loaded.name, file.name) if file.name else text
-            for text in (self.trouble or self.live.ending, *self.warnings))
+        trouble, *warnings = (text.replace(self.loaded.name, Path(self.loaded.name).name)
+                              for text in (self.trouble or self.live.ending, *self.warnings))
         return {"status": {"playing": self.playing, "speed": self.speed, "note": note,
                            "trouble": trouble, "warnings": warnings,
                            "left_out": self.frames.left_out}}
@@ -301,12 +300,10 @@ class Session:
 
     def _give(self, name: str, value: Any) -> list[Answer]:
         """Set a drive, a target or a switch; the SI value of a text is the answer."""
-        if not isinstance(value, str):
-            self.live.give(name, value)
-            return []
-        number = read_value(name, value, self.loaded.mechanism, self.live)
+        number = read_value(name, value, self.loaded.mechanism, self.live) if isinstance(
+            value, str) else value
         self.live.give(name, number)
-        return [{"given": {"name": name, "value": number}}]
+        return [{"given": {"name": name, "value": number}}] if number is not value else []
 
     def _watch(self, names: list[Any]) -> list[Answer]:
         known, found = self._look.catalogue, list[str]()
