@@ -24,6 +24,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.sync.server import ServerConnection, serve
+from websockets.typing import Origin
 
 from sandbox.errors import OutputError, SandboxError
 from sandbox.web.page import html_page, policy, script
@@ -77,8 +78,8 @@ class Server:
                               "without --port a free one is found", code="cannot-listen") from None
         self.port = listener.getsockname()[1]
         server = serve(self._tab, sock=listener, process_request=self._answer, compression=None,
-                       origins=[f"http://{host}" for host in self._hosts], max_size=MAX_BYTES,
-                       close_timeout=1)
+                       origins=[Origin(f"http://{host}") for host in self._hosts],
+                       max_size=MAX_BYTES, close_timeout=1)
         thread = threading.Thread(target=server.serve_forever, name="server")
         thread.start()
         try:
