@@ -121,13 +121,12 @@ def plot(
                           "lists them", code="bad-picture")
     names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     label = run.mechanism.title or run.mechanism.name
-    if x and x != TIME:
+    if x := "" if x == TIME else x:
         run.catalogue.find(x)
-    return signals.draw([signals.Plotted(label, run, targets(run))], names,
-                        x="" if x == TIME else x, window=signals.Window(
-                            _number("begin", begin, "time"), _number("end", end, "time")),
-                        width=None if width is None else _number("width", width, "length"),
-                        titled=title)
+    return signals.draw(
+        [signals.Plotted(label, run, targets(run))], names, x=x, titled=title,
+        window=(_number("begin", begin, "time"), _number("end", end, "time")),
+        width=None if width is None else _number("width", width, "length"))
 
 
 def _number(name: str, value: float | str, dimension: str) -> float:

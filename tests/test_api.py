@@ -32,7 +32,7 @@ def test_the_public_names_resolve_to_documented_objects() -> None:
     ("import sandbox, sandbox.errors", HEAVY),
     ("import sandbox.cli.declarations", HEAVY),
     ("import sandbox; sandbox.build.Body(name='a', motion='fixed')", ("numba", "pymunk")),
-    ("import sandbox.web.page, sandbox.web.server", ("pygame", "matplotlib")),
+    ("import sandbox.web.page, sandbox.web.session", ("pygame", "matplotlib")),
 ])
 def test_importing_loads_nothing_heavy(statement: str, unwanted: tuple[str, ...]) -> None:
     script = f"{statement}; import sys; print(*sorted(set({unwanted!r}) & set(sys.modules)))"

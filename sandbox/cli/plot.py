@@ -17,7 +17,7 @@ from sandbox.cli.console import Console, first_of, table
 from sandbox.cli.options import PICTURES
 from sandbox.cli.runs import matching, open_run, run_with
 from sandbox.elements.quantities import row_of
-from sandbox.figure.signals import Plotted, Window, draw
+from sandbox.figure.signals import Plotted, draw
 from sandbox.figure.style import number, save_figure, shown_as
 from sandbox.recording.new_run import made
 from sandbox.recording.recording import Recording
@@ -73,7 +73,7 @@ def plot(
     responses = [] if restricted else _responses(plotted, names)
     efforts = _efforts(plotted) if others and not restricted else []
     files = files or (directory / "plot.png",)
-    drawing = draw(plotted, names, x=across, width=width, titled=not untitled, window=Window(
+    drawing = draw(plotted, names, x=across, width=width, titled=not untitled, window=(
         begin or 0.0, math.inf if end is None else end)) if any(
             file.suffix.lower() in PICTURES for file in files) else None
     for file in files:

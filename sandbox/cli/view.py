@@ -18,13 +18,14 @@ from typing import Any
 from sandbox.cli.check import ready
 from sandbox.cli.console import Console, Exit, monitored
 from sandbox.cli.options import RENDERS, Source, safe_name
-from sandbox.web.server import Server, needed
+from sandbox.errors import optional
 from sandbox.web.session import Found, Session
 
 
 def view(scene: Source, port: int | None, no_browser: bool) -> int:
     """Serve a scene until Ctrl-C."""
-    needed()
+    optional("websockets.sync.server", "'sandbox-mechanics[view]'")
+    from sandbox.web.server import Server
     console = Console()
 
     def read(changed: Mapping[str, Any]) -> Found:

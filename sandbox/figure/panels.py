@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -22,9 +21,7 @@ KINDS: dict[str, dict[str, Any]] = {
                "markeredgewidth": 1.1},
     "dots": {"linestyle": "", "marker": "o", "markersize": 3.5, "markeredgewidth": 0},
     "rug": {"linestyle": "", "marker": "|", "markersize": 8},
-    "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4.5},
 }  # line properties by kind of curve
-MARKERS = "os^Dv"
 MANY_POINTS, APART = 30, 0.045
 """With more points than this, those closer than this share of the panel are skipped."""
 PLANE = 70.0  # height of panels with equal scales [mm]
@@ -47,25 +44,20 @@ class Curve(NamedTuple):
     label: str  # empty for a curve without a name
     x: Array
     y: Array
-    kind: Literal["line", "dashed", "points", "dots", "rug", "joined"] = "line"
+    kind: Literal["line", "dashed", "points", "dots", "rug"] = "line"
     """A ``rug`` is strokes at the bottom of the panel."""
     look: Mapping[str, Any] = {}
     """Properties of the line that differ from those of the kind; with a colour, all is given."""
 
 
-class Custom(NamedTuple):
-    """A mark that matplotlib draws in one call, such as a histogram."""
-
-    draw: Callable[[Any], object]  # called with the axes
+Mark = Curve | Callable[[Any], object]
+"""A curve, or what else is drawn, such as a histogram: called with the axes of matplotlib."""
 
 
-Mark = Curve | Custom
-
-
-def upright(x: float, **look: Any) -> Custom:
+def upright(x: float, **look: Any) -> Mark:
     """A vertical line."""
-    return Custom(lambda axes: axes.axvline(
-        x, **{"color": style.GREY, "linewidth": 0.8, "zorder": 1.5, **look}))
+    return lambda axes: axes.axvline(
+        x, **{"color": style.GREY, "linewidth": 0.8, "zorder": 1.5, **look})
 
 
 @dataclass(frozen=True)
@@ -85,20 +77,6 @@ class Panel:
     def curves(self) -> list[Curve]:
         """Its curves."""
         return [mark for mark in self.marks if isinstance(mark, Curve)]
-
-    def values(self, of: Literal["x", "y"]) -> Array:
-        """All finite coordinates of its curves."""
-        rows = [np.ravel(getattr(curve, of)) for curve in self.curves
-                if of == "x" or curve.kind != "rug"]
-        values = np.concatenate([np.empty(0), *rows])
-        return np.asarray(values[np.isfinite(values)])
-
-
-def save_panels(
-    path: Path, panels: Sequence[Panel] | Sequence[Sequence[Panel]], **how: Any,
-) -> None:
-    """Draw panels into a file; see :func:`draw`. OutputError if it cannot be written."""
-    style.save_figure(draw(panels, **how), path)
 
 
 def draw(
@@ -189,8 +167,6 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
             how["color"] = style.hue(place)
             if curve.kind == "line":
                 how["linestyle"] = style.dash(place)
-            elif curve.kind == "joined":
-                how["marker"] = MARKERS[place % len(MARKERS)]
         if curve.kind == "rug":
             how["transform"], y = axes.get_xaxis_transform(), np.full(len(curve.x), 0.02)
         elif curve.kind == "points" and len(curve.x) > MANY_POINTS and \
@@ -202,16 +178,18 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
         if curve.label:
             names.setdefault(curve.label, line)
     for mark in panel.marks:
-        if isinstance(mark, Custom):
-            mark.draw(axes)
+        if not isinstance(mark, Curve):
+            mark(axes)
     _scale(axes, panel)
     style.show_coincident(axes, lines)
     return list(names.items())
 
 
 def _scale(axes: Any, panel: Panel) -> None:
-    for along, axis, one, values in (("x", axes.xaxis, panel.x, panel.values("x")),
-                                     ("y", axes.yaxis, panel.y, panel.values("y"))):
+    for along, axis, one in (("x", axes.xaxis, panel.x), ("y", axes.yaxis, panel.y)):
+        some = [curve for curve in panel.curves if along == "x" or curve.kind != "rug"]
+        values = np.concatenate([np.empty(0), *(getattr(curve, along) for curve in some)])
+        values = values[np.isfinite(values)]
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
         elif along == "y" and not one.words:
@@ -236,5 +214,4 @@ def _roomy(values: Array) -> tuple[float, float]:
     low, high = float(values.min()), float(values.max())
     peak, middle = max(abs(low), abs(high)), 0.5 * (low + high)
     span = max(high - low, 1e-3 * peak, 1e-9) if peak > 1e-12 else 1.0  # values below this are zero
-    low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
-    return low - 0.06 * span, high + 0.08 * span
+    return middle - 0.56 * span, middle + 0.58 * span

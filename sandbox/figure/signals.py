@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -27,6 +28,7 @@ BEGIN = {"marker": "o", "markersize": 5, "markerfacecolor": "white", "markeredge
 """Line properties of the begin of a curve, where x is not time."""
 FLAT = 10.0
 """Lengths against lengths have one scale unless one range exceeds the other by this factor."""
+Window = tuple[float, float]  # the range of time that is shown [s]
 
 
 @dataclass(frozen=True)
@@ -38,37 +40,19 @@ class Plotted:
     targets: Mapping[str, Array]  # targets over time by quantity, shape [n], SI; drawn dashed
 
 
-@dataclass(frozen=True)
-class Window:
-    """The range of time that is shown [s]."""
-
-    begin: float = 0.0
-    end: float = float("inf")
-
-    def __post_init__(self) -> None:
-        if not self.end > self.begin:
-            raise OutputError(f"{self.end:g} s is not after the beginning, {self.begin:g} s",
-                              code="bad-time")
-
-    def of(self, time: Array) -> slice:
-        """Samples in the range."""
-        first, last = np.searchsorted(time, [self.begin, self.end])
-        return slice(int(first), int(last) + (last < len(time) and time[last] == self.end))
-
-
 def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
-         window: Window | None = None, width: float | None = None, titled: bool = True) -> Any:
+         window: Window = (0.0, math.inf), width: float | None = None, titled: bool = True) -> Any:
     """A figure with a panel for each unit of one run, or for each quantity of several runs.
 
     Length against length is a path in the plane, with one scale on both axes. ``x`` is the quantity
-    on the x axis, by default time; ``width`` is in metres. A run is skipped where it lacks a
-    quantity.
+    on the x axis, by default time; ``window`` is the range of time [s]; ``width`` is in metres. A
+    run is skipped where it lacks a quantity.
 
     Raises:
         OutputError: too few samples, too many curves in a panel, or too many panels.
         UnknownQuantityError: a name that no recording has.
     """
-    window, wide = window or Window(), style.WIDTH if width is None else 1e3 * width
+    wide = style.WIDTH if width is None else 1e3 * width
     _check(runs, window, wide)
     groups = _groups(runs, list(dict.fromkeys(quantities)), x)
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
@@ -110,13 +94,16 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
 
 
 def _check(runs: Sequence[Plotted], window: Window, wide: float) -> None:
-    """Check the width of the figure [mm], and that each run has samples."""
+    """Check the window, the width of the figure [mm], and that each run has samples."""
+    if not window[1] > window[0]:
+        raise OutputError(f"{window[1]:g} s is not after the beginning, {window[0]:g} s",
+                          code="bad-time")
     if not WIDTHS[0] <= wide <= WIDTHS[1]:
         raise OutputError(f"a figure cannot be {wide:g} mm wide; allowed: {WIDTHS[0]:g} to "
                           f"{WIDTHS[1]:g} mm", code="bad-picture")
     for one in runs:
         time = one.run.time
-        if len(time[window.of(time)]) < 2:
+        if len(time[_inside(time, window)]) < 2:
             raise OutputError(
                 f"the recording has {len(time)} samples, a plot needs at least 2" if len(time) < 2
                 else f"{one.label} has fewer than 2 samples there: the first is at {time[0]:g} s, "
@@ -162,11 +149,17 @@ def _series(runs: Sequence[Plotted], names: Sequence[str], x: str, window: Windo
             if name in one.run and (not x or x in one.run):
                 time, value, target = (one.run.time, one.run[name], None) if x else track(
                     one.run, name, one.targets.get(name))
-                here = window.of(time)
+                here = _inside(time, window)
                 found.append(_Series(
                     i if len(runs) > 1 else j, name, (one.run[x] if x else time)[here],
                     value[here], None if target is None else target[here]))
     return found
+
+
+def _inside(time: Array, window: Window) -> slice:
+    """The samples of a window."""
+    return slice(int(np.searchsorted(time, window[0])),
+                 int(np.searchsorted(time, window[1], side="right")))
 
 
 def _is_path(curves: Sequence[_Series]) -> bool:
@@ -181,7 +174,7 @@ def _limits(runs: Sequence[Plotted], window: Window) -> tuple[float, float]:
     """The range of time that is shown [s]."""
     # a sample belongs to the middle of a step
     end = max(one.run.time[-1] + 0.5 * one.run.mechanism.run.step for one in runs)
-    return max(0.0, window.begin), min(float(end), window.end)
+    return max(0.0, window[0]), min(float(end), window[1])
 
 
 def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Mark], list[str]]:
@@ -192,9 +185,7 @@ def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Mark], list[s
     most = max(np.bincount([i for i, _ in found]), default=0)
     if most > MAX_EVENTS:
         return [], [f"{most} events are not marked: up to {MAX_EVENTS} are, in a window of time."]
-    if len(runs) == 1:
-        texts = [f"{event.event} at {event.time:.4g} s" for _, event in found]
-        return [upright(event.time) for _, event in found], [
-            f"Vertical lines: {', '.join(texts)}."] if found else []
-    return [upright(event.time, color=style.hue(i), alpha=0.5) for i, event in found], [
-        "Vertical lines: events."] if found else []
+    one = len(runs) == 1
+    words = ", ".join(f"{event.event} at {event.time:.4g} s" for _, event in found if one)
+    return [upright(event.time, **({} if one else {"color": style.hue(i), "alpha": 0.5}))
+            for i, event in found], [f"Vertical lines: {words or 'events'}."] if found else []

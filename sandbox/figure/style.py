@@ -26,7 +26,7 @@ WIDTH = 120.0  # default width of a figure [mm]
 MAX_LETTERS = 200  # longest text; more does not fit on a page
 MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72  # inches per millimetre, millimetres per typographic point
 DPI = 200
-TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5  # font sizes [pt]
+SMALL, PLAIN, HEAD = 8, 8.5, 9.5  # font sizes [pt]
 LETTER, BOLD = 0.52, 0.62
 """Mean width of a letter, and of a bold letter, as a multiple of the font size."""
 MAX_NAME = 60  # letters of a name in a legend
@@ -36,12 +36,14 @@ COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
 """Colours of curves, in this order; they differ in lightness as well as in hue."""
 INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec"
 """Colours of text, notes, event lines, grid and shaded ranges."""
-HOLDS = "#cfe0d6"  # colour of areas in which a condition holds
 LINE = 1.5  # width of a curve [pt]
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Line styles, for more curves than colours."""
 TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}  # line properties of targets
-SUFFIXES = (".png", ".svg", ".pdf")
+METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None}, ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}}
+"""Of files, by their suffix: no dates, versions and random ids."""
 MANY_MM = 0.5  # lengths below this [m] are shown in millimetres
 
 
@@ -50,7 +52,6 @@ class Shown(NamedTuple):
 
     factor: float
     unit: str
-    sign: str  # suffix of a number, such as " mm" or "°"
 
     def label(self, name: str) -> str:
         """Label of an axis."""
@@ -60,10 +61,10 @@ class Shown(NamedTuple):
 def shown_as(unit: str, *rows: Array) -> Shown:
     """Angles in degrees, lengths in mm if all ``rows`` [SI] are small, everything else in SI."""
     if unit in ("rad", "rad/s"):
-        return Shown(180 / math.pi, unit.replace("rad", "deg"), "°" if unit == "rad" else " deg/s")
+        return Shown(180 / math.pi, unit.replace("rad", "deg"))
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
-        return Shown(1e3, "mm", " mm")
-    return Shown(1.0, "" if unit == "1" else unit, f" {unit}" if unit not in ("1", "") else "")
+        return Shown(1e3, "mm")
+    return Shown(1.0, "" if unit == "1" else unit)
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -138,21 +139,15 @@ def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how
 
 
 def save_figure(figure: Any, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF; equal figures give equal bytes.
+    """Write a figure by its suffix, one of :data:`METADATA`; equal figures give equal bytes.
 
-    Raises OutputError if the file cannot be written, ValueError for another suffix.
+    Raises OutputError if the file cannot be written.
     """
     import matplotlib
 
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ValueError(f"a figure is written as {', '.join(SUFFIXES)}, not {suffix!r}")
-    # without dates, versions and random ids
-    metadata = {".png": {"Software": None}, ".svg": {"Date": None},
-                ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}}[suffix]
     with matplotlib.rc_context({"svg.hashsalt": "sandbox", "pdf.fonttype": 42}), \
             atomic_file(path) as aside:
-        figure.savefig(aside, metadata=metadata)
+        figure.savefig(aside, metadata=METADATA[path.suffix.lower()])
 
 
 NEAR, SHORT = 0.012, 0.04

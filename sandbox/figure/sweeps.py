@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, save_panels, upright
+from sandbox.figure.panels import Axis, Curve, Mark, Panel, draw, upright
 from sandbox.numeric import Array, Flags
 
 MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
@@ -77,11 +77,6 @@ class SweepDrawing:
     found: FoundLine | None = None
 
     @property
-    def shown(self) -> Sequence[SweepColumn]:
-        """The quantities that have panels."""
-        return self.kept[:MAX_QUANTITIES]
-
-    @property
     def missed(self) -> Flags:
         """Scattered points of runs that fail the condition, [n]."""
         if self.held is None or (self.grid and len(self.varied) <= 2):
@@ -91,26 +86,26 @@ class SweepDrawing:
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     """Draw a sweep into a file; raises as :func:`~sandbox.figure.style.save_figure`."""
-    widths, panels = None, list[list[Panel]]()
+    widths, panels, shown = None, list[list[Panel]](), drawing.kept[:MAX_QUANTITIES]
     if len(drawing.varied) == 1:
-        panels = [_over_one(drawing, column) for column in drawing.shown]
+        panels = [_over_one(drawing, column) for column in shown]
         widths = None if drawing.grid else (3.0, 1.0)
     elif len(drawing.varied) == 2 and drawing.grid:
         counts = [len(np.unique(column.values)) for column in drawing.varied]
         few = min((k for k in (0, 1) if counts[k] <= 3), default=None,
                   key=lambda k: (not drawing.varied[k].texts, counts[k]))
         panels = [[_map(drawing, column) if few is None else _lines(drawing, column, few)]
-                  for column in drawing.shown]
+                  for column in shown]
     else:
-        for column in drawing.shown:  # a row over each path
+        for column in shown:  # a row over each path
             (y, y_axis), row = column.axis(), list[Panel]()
             for one in drawing.varied[:MAX_COLUMNS]:
                 x, x_axis = one.axis()
                 row.append(Panel("", x_axis, Axis() if row else y_axis, [
                     *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL))
             panels.append(row)
-    save_panels(path, panels, title=drawing.title, notes=_notes(drawing), shared=True,
-                widths=widths)
+    style.save_figure(draw(panels, title=drawing.title, notes=_notes(drawing), shared=True,
+                           widths=widths), path)
 
 
 def _notes(drawing: SweepDrawing) -> list[str]:
@@ -138,8 +133,8 @@ def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
     if drawing.grid:
         return [panel]
     finite = y[np.isfinite(y)]
-    histogram = [Custom(lambda axes: axes.hist(
-        finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
+    histogram: list[Mark] = [lambda axes: axes.hist(
+        finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75)]
     return [panel, Panel("", Axis("runs"), Axis(),
                          histogram if len(finite) and not _equal(finite) else [], "", PANEL)]
 
@@ -181,8 +176,8 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
     if found is None or found.path != varied.name:
         return []
     factor = style.shown_as(varied.unit, varied.values).factor
-    return [Custom(lambda axes: axes.axvspan(factor * found.low, factor * found.high,
-                                             color=style.BAND, linewidth=0, zorder=0)),
+    return [lambda axes: axes.axvspan(factor * found.low, factor * found.high,
+                                      color=style.BAND, linewidth=0, zorder=0),
             upright(factor * found.at, **{"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
@@ -199,7 +194,7 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
     cells = np.full((len(ys), len(xs)), np.nan)
     cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if _equal(z) else z
 
-    def draw(axes: Any) -> None:
+    def paint(axes: Any) -> None:
         # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
         mesh = axes.pcolormesh(_edges(xs, log=one.log), _edges(ys, log=other.log), cells,
                                cmap="cividis", edgecolors="face", linewidth=0.1)
@@ -210,7 +205,7 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
     lost, look = drawing.failed, drawing.doubtful
     dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
     return Panel(z_axis.label, _at_centres(x_axis, xs), _at_centres(y_axis, ys), [
-        Custom(draw),
+        paint,
         Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
         Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
         "", MAP, grid="")
@@ -254,16 +249,16 @@ def draw_influences(
     if any(len(panel.paths) > MAX_PATHS for panel in shown):
         notes.append(f"The {MAX_PATHS} most influential paths.")
     inks = dict(zip(words, (style.BLUE, style.GREY), strict=False))
-    save_panels(path, [_bars(panel, inks) for panel in shown], title=title, notes=notes, key=[
+    style.save_figure(draw([_bars(panel, inks) for panel in shown], title=title, notes=notes, key=[
         *((words[word], {"facecolor": ink}) for word, ink in inks.items()),
-        ("95 % interval", {"color": style.INK, "linewidth": 1.0})])
+        ("95 % interval", {"color": style.INK, "linewidth": 1.0})]), path)
 
 
 def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
     paths = panel.paths[:MAX_PATHS]
     places = np.arange(len(paths), dtype=float)
 
-    def draw(axes: Any) -> None:
+    def paint(axes: Any) -> None:
         for k, (word, ink) in enumerate(inks.items()):
             halves = panel.halves.get(word)
             axes.barh(places + (k - 0.5) * THICK, panel.values[word][:MAX_PATHS], height=THICK,
@@ -274,7 +269,7 @@ def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
 
     short = [path if len(path) <= MAX_LETTERS else f"…{path[1 - MAX_LETTERS:]}" for path in paths]
     return Panel(panel.name, Axis(panel.x), Axis(
-        words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
+        words=short, limits=(len(paths) - 0.5, -0.5)), [paint], "",
         ROW * len(paths), grid="x")
 
 
@@ -299,9 +294,9 @@ def draw_front(
             Curve("", x[~best], y[~best], "dots", other),
             Curve("", x[order], y[order], "dots", {**front, **joined})], "", FRONT))
     more, dot = len(pairs) - MAX_PAIRS, {"linestyle": "", "marker": "o"}
-    save_panels(path, panels, title=title, key=[
+    style.save_figure(draw(panels, title=title, key=[
         ("none is better in all", {**dot, **front}), ("other runs that hold", {**dot, **other})],
-        notes=[f"{more} further pairs of goals are in table.csv."] if more > 0 else ())
+        notes=[f"{more} further pairs of goals are in table.csv."] if more > 0 else ()), path)
 
 
 class BranchCurve(NamedTuple):
@@ -334,5 +329,5 @@ def save_branches(
         key.append(("not stable", {**dark, "linestyle": UNSTABLE}))
     if any(branch.fold.any() for branch in branches):
         key.append(("fold", {"color": style.INK, **FOLD}))
-    save_panels(path, [Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)],
-                title=title, key=key)
+    panel = Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)
+    style.save_figure(draw([panel], title=title, key=key), path)

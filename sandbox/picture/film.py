@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 import struct
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, NamedTuple, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,8 +72,7 @@ def colours(words: Words) -> NDArray[np.uint8]:
 
 def packed(pixels: NDArray[np.uint8]) -> Words:
     """Red, green, blue [..., 3 or 4] as words."""
-    red, green, blue = (pixels[..., k].astype(np.uint32) for k in range(3))
-    return np.asarray(red | green << 8 | blue << 16, dtype=np.uint32)
+    return np.asarray(pixels[..., :3] @ np.array([1, 1 << 8, 1 << 16], dtype=np.uint32))
 
 
 class GifWriter:
@@ -97,9 +96,8 @@ class GifWriter:
             words, disposal = frame, KEEP
             new = np.ones(frame.shape, dtype=bool) if self._last is None else frame != self._last
             self._last = words
-        rows = np.flatnonzero(new.any(axis=1)).tolist() or [0]
-        columns = np.flatnonzero(new[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        left, top, right, low = Image.fromarray(new).getbbox() or (0, 0, 1, 1)
+        box = slice(top, low), slice(left, right)
         some = words[box][new[box]]
         unknown = np.unique(some[self._places[some] == CLEAR])
         apart = colours(unknown).astype(np.int32)[:, None] - self._palette
@@ -108,7 +106,7 @@ class GifWriter:
         cut[new[box]] = self._places[some]
         image = Image.fromarray(cut)
         image.putpalette(self._table)
-        blocks = GifImagePlugin.getdata(image, (columns[0], rows[0]), duration=10 * hundredths,
+        blocks = GifImagePlugin.getdata(image, (left, top), duration=10 * hundredths,
                                         disposal=disposal, transparency=CLEAR)
         self._file.write(b"".join(blocks))
 
@@ -234,8 +232,7 @@ def frame_times(run: Samples, *, fps: int, speed: float, start: float = 0.0,
             f"most {most} (the limit 'frames', raised by --limit frames=N or most_frames)",
             code="limit-exceeded")
     start, step = min(start, end), speed / fps
-    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
-    return [start + k * step for k in range(count)] + [end]
+    return [start + k * step for k in range(math.ceil((end - start) / step - 1e-6))] + [end]
 
 
 class Moment(NamedTuple):
@@ -283,15 +280,12 @@ def _moment(run: Samples, given: Any) -> Moment:
 
 
 def _moments(run: Samples, view: View, at: Instants | None, strip: bool | int) -> list[Moment]:
-    if isinstance(strip, bool) and at is not None:
-        return instants(run, at)
-    if at is not None:
+    if at is not None and not isinstance(strip, bool):
         raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
                           "pass strip=True with at, or a number without", code="bad-picture")
-    end = float(run.time[-1])
-    if strip is False:
-        return [Moment(end, ENDS[1])]
-    count = PICTURES if strip is True else strip
+    if at is not None or strip is False:
+        return instants(run, ENDS[1] if at is None else at)
+    count, end = PICTURES if strip is True else strip, float(run.time[-1])
     if not 2 <= count <= MAX_PICTURES:
         raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MAX_PICTURES} pictures",
                           code="bad-picture")
@@ -324,7 +318,12 @@ def _animate(run: Samples, path: Path, times: Sequence[float], layout: Mapping[s
         return
     with atomic_file(path) as aside:
         if ending == ".mp4":
-            _write_mp4(drawn(), view.fps, aside)
+            optional("av", "'sandbox-mechanics[mp4]'")
+            import imageio.v3 as iio
+
+            with iio.imopen(aside, "w", plugin="pyav") as film:
+                cast(Any, film).init_video_stream("libx264", fps=view.fps, pixel_format="yuv420p")
+                side_by_side(drawn(), lambda frame: cast(Any, film).write_frame(colours(frame)))
             return
         some: list[Any] = [draw(times[k]) for k in np.unique(
             np.linspace(0, len(times) - 1, 5).astype(int))]
@@ -346,32 +345,15 @@ def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -
 
     remove_stale(directory)
     side_by_side(enumerate(frames), save)
-    kept = {f"frame_{k:05d}.png" for k in range(count)}
-    for old in directory.glob(FRAME):
-        if old.name not in kept:
-            old.unlink()
-
-
-def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
-    optional("av", "'sandbox-mechanics[mp4]'")
-    import imageio.v3 as iio
-
-    with iio.imopen(path, "w", plugin="pyav") as file:
-        film: Any = file
-        film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(frames, lambda frame: film.write_frame(colours(frame)))
+    for old in sorted(directory.glob(FRAME))[count:]:
+        old.unlink()
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
     """Run ``produce`` in this thread, and ``consume`` its items, in order, in another one."""
     with ThreadPoolExecutor(1, "encoder") as encoder:
-        waiting: deque[Future[None]] = deque()
-        try:
-            for item in produce:
-                waiting.append(encoder.submit(consume, item))
-                if len(waiting) > 8:  # frames that may wait to be encoded
-                    waiting.popleft().result()
-            for each in waiting:
-                each.result()
-        finally:
-            encoder.shutdown(cancel_futures=True)
+        consumed: Future[Any] = encoder.submit(int)
+        for item in produce:
+            consumed.result()
+            consumed = encoder.submit(consume, item)
+        consumed.result()

@@ -160,8 +160,8 @@ class Listing:
         return np.stack(self.frames, axis=1)
 
     def share_styles(self, other: Listing) -> None:
-        """Use the styles and glyphs of another list, with the same numbers."""
-        self.styles, self.glyphs = other.styles, other.glyphs
+        """Use the inks, styles and glyphs of another list, with the same numbers."""
+        self.inks, self.styles, self.glyphs = other.inks, other.styles, other.glyphs
         self._known = {tuple(style): number for number, style in enumerate(other.styles)}
 
     @classmethod

@@ -42,10 +42,10 @@ class Meter:
         if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
             largest = float(np.nanmax(np.abs(scaled), initial=0.0))
             pascals, unit = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-            factor, self.sign = 1 / pascals, f" {unit}"
+            factor = 1 / pascals
         else:
-            shown = shown_as(unit, *np.atleast_2d(scaled))
-            factor, self.sign = shown.factor, shown.sign.replace("^2", "²").replace("^3", "³")
+            factor, unit = shown_as(unit, *np.atleast_2d(scaled))
+        self.sign = "°" if unit == "deg" else f" {unit}".replace("^2", "²").replace("^3", "³")
         self.values = factor * rows
         self.low, self.high = _range(self.values) if meter.range is None else (
             factor * meter.range[0], factor * meter.range[1])

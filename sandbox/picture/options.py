@@ -15,12 +15,13 @@ from sandbox.errors import OutputError
 from sandbox.model.meters import problems_of
 from sandbox.picture.palette import EM
 from sandbox.samples.samples import Samples
-from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
+from sandbox.scene.check.references import check_references
+from sandbox.scene.layers import parse_layers
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain
-from sandbox.wording import WrongValueError, listed, or_near, quoted
+from sandbox.wording import WrongValueError, quoted
 
-SIZES = ('; allowed: (width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+SIZES = ('(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
          '"85mm" or "85mm x 70mm" for a still on paper')
 PRINT_PER_INCH = 300  # pixels
 LETTERS = 7.0  # the smallest letters on paper [pt]
@@ -36,18 +37,11 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
         value, tuple) else value for key, value in given.items()
                if value is not None and not (key == "size" and paper_of(value))}
-    if not changes:
-        return view
-    if isinstance(size := changes.get("size"), str) and (
-            found := re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", size)):
-        with suppress(ValueError, OverflowError):  # View refuses it as it is
-            changes["size"] = tuple(round(float(found[1]) * v) for v in view.size)
-    if "show" in changes:
-        try:
+    with suppress(ValueError, OverflowError):  # View refuses these as they are
+        if "show" in changes:
             changes["show"] = {**view.show, **parse_layers(changes["show"])}
-        except WrongValueError as error:
-            raise OutputError(f"show={quoted(changes['show'])}: {error}",
-                              code="bad-picture") from None
+        if found := re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", str(changes.get("size"))):
+            changes["size"] = tuple(round(float(found[1]) * v) for v in view.size)
     if "bodies" in changes or "follow" in changes:  # the scene's window is of another picture
         changes.setdefault("centre", None)
     if "bodies" in changes:
@@ -62,33 +56,20 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         problems = {}
         for problem in explain(error, data, View):
             key = problem.path.removeprefix("$.").partition("[")[0]
-            allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
-            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}"
-                             f"{SIZES if key == 'size' else allowed}")
+            allowed = SIZES if key == "size" else problem.allowed
+            problems[key] = f"{key}={quoted(given.get(key))}: " + str(WrongValueError(
+                problem.code, problem.message, allowed=allowed, hint=problem.hint))
         raise OutputError("\n".join(problems.values()), code="bad-picture") from None
 
 
 def check_view(run: Samples, view: View) -> None:
     """Check that the bodies and quantities of a view exist; else raise an OutputError."""
-    bodies, problems = run.mechanism.bodies, []
-    named = [("bodies", pattern) for pattern in view.bodies]
-    named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
-              if patterns != EVERY]
-    for option, name in [*named, *([("follow", view.follow)] if view.follow is not None else [])]:
-        groups = run.mechanism.groups if option == "bodies" else ()
-        words = [body.name for body in bodies] if option == "follow" else words_for(bodies, groups)
-        if name not in words and (option == "follow" or not meant([name], bodies, groups)):
-            kind = BY_ROLE if name.startswith(BY_ROLE) and option != "follow" else ""
-            words = [word for word in words if word.startswith(BY_ROLE) == bool(kind)]
-            problems.append(
-                f"{option}: no body's {'role' if kind else 'name'} matches "
-                f"{quoted(name.removeprefix(kind))}{or_near(name, words)} "
-                f"(allowed: {listed(words)})")
-    if view.meters:
-        problems += [str(replace(problem, path=problem.path.removeprefix("$.view.")))
-                     for problem in problems_of(run.catalogue, view)]
+    mechanism = run.mechanism.model_copy(update={"view": view})
+    problems = [str(replace(problem, path=problem.path.removeprefix("$.view."))) for problem in (
+        *check_references(mechanism), *problems_of(run.catalogue, view))
+        if problem.path.startswith("$.view.")]
     if problems:
-        raise OutputError("\n".join(problems), code="bad-time")
+        raise OutputError("\n".join(problems), code="bad-picture")
 
 
 def check_run(run: Samples) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -42,7 +43,6 @@ class Paper:
         self.renderer, self.size, self.type, self.factor = renderer, size, typesetter, factor
         self._clip: Any = None
         self._kept: list[Any] = []  # Agg knows clip paths by id: they have to live
-        self._letters_kept: dict[tuple[str, int], Any] = {}
         self.move(0.0, 0.0)
 
     def move(self, x: float, y: float) -> None:
@@ -136,12 +136,13 @@ class Paper:
 
     def _letters(self, words: str, size: int, x: float, y: float) -> Any:
         """The outlines of words right of and below a corner."""
-        key = (words, size)
-        if key not in self._letters_kept:
-            self._letters_kept[key] = TextPath((0, 0), words, size=EM * size,
-                                               prop=_font(EM * size), usetex=False)
-        return self._letters_kept[key].transformed(
+        return _outline(words, EM * size).transformed(
             Affine2D().scale(1, -1).translate(x, y + self.type.baseline(size)))
+
+
+@lru_cache(1000)
+def _outline(words: str, size: float) -> Any:
+    return TextPath((0, 0), words, size=size, prop=_font(size), usetex=False)
 
 
 def _font(size: float) -> Any:

@@ -48,7 +48,7 @@ class Subject:
     """Arrows in the legend by layer: token, unit, words, size and scale."""
     trace_ink: str = ""  # token of the first trace
     signs: set[str] = field(default_factory=set)  # glyphs that a legend may explain, see ROWS
-    _keys: list[tuple[float, float, float]] = field(default_factory=list)
+    keys: list[tuple[float, float, float]] = field(default_factory=list)  # order of the items
 
     def __post_init__(self) -> None:
         bodies, fixed = self.run.mechanism.bodies, self.run.model.bodies.fixed.tolist()
@@ -92,7 +92,7 @@ class Subject:
             plane = max(plane, self.lowest)
         if kind in ("text", "arrows"):
             fields["rank"], plane = rank, ABOVE
-        self._keys.append((plane, ORDER[step], rank))
+        self.keys.append((plane, ORDER[step], rank))
         item: Item = {"k": kind, "l": layer, "n": name or None, **fields, "if": shown}
         self.out.items.append({key: value for key, value in item.items() if value is not None})
 
@@ -119,9 +119,9 @@ class Subject:
 
     def close(self) -> None:
         """Sort the list back to front."""
-        order = sorted(range(len(self._keys)), key=self._keys.__getitem__)
+        order = sorted(range(len(self.keys)), key=self.keys.__getitem__)
         self.out.items = [self.out.items[k] for k in order]
-        self._keys = []
+        self.keys = []
 
     def held(self, *bonds: int) -> list[int] | None:
         """A column that is 1 while all of these hold; None if nothing of them can be released."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -163,9 +163,3 @@ def meant(patterns: Iterable[str], bodies: Iterable[Body],
                                              if not by_role) for name in group.bodies}
     return [i for i, body in enumerate(bodies) if body.name in named
             or any(test(body.role if by_role else body.name) for by_role, test in tests)]
-
-
-def words_for(bodies: Sequence[Body], groups: Iterable[Group] = ()) -> list[str]:
-    """Every name, and every role as a pattern: candidates for suggestions."""
-    return [*(body.name for body in bodies), *(group.name for group in groups),
-            *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

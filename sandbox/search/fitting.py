@@ -21,7 +21,7 @@ import numpy as np
 from sandbox.atomic_files import write_csv
 from sandbox.errors import SandboxError
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Curve, Panel, save_panels
+from sandbox.figure.panels import Axis, Curve, Panel, draw
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.scene.settings import Looked
@@ -292,7 +292,7 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
                 name, Axis("time [s]"), Axis(how.label(name)),
                 [Curve("measured", time, how.factor * data, "points"),
                  Curve("fitted", time, how.factor * model_data)]))
-        save_panels(session.out / FOUND, panels)
+        style.save_figure(draw(panels), session.out / FOUND)
     return fitted
 
 

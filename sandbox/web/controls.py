@@ -11,17 +11,16 @@ from collections.abc import Iterator
 from typing import Any
 
 from sandbox.engine.live import Live
-from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import Setting
 from sandbox.scene.read.load import Loaded
 from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.values.units import UNITS, Measured, parse_quantity, units_of
-from sandbox.wording import WrongValueError, listed, quoted
+from sandbox.wording import WrongValueError, listed, quoted, refuse_if
 
 PARAMETER = "parameters."  # begins the name of a parameter, as in --set
-USUAL = {"N": 10.0, "N m": 0.1, "rad": math.pi, "rad/s": 10.0, "m": 0.1, "m/s": 0.5, "1": 1.0,
+USUAL = {"N": 10.0, "N m": 0.1, "rad": math.pi, "rad/s": 10.0, "m": 0.1, "m/s": 0.5,
          "Pa": 1e5, "m^3/s": 1e-5, "N/m": 1000.0, "N m/rad": 1.0}
 """Default range of a slider to either side, by unit."""
 Spans = dict[tuple[str, str], tuple[float, float]]  # ranges of sliders, by the name and the unit
@@ -83,7 +82,7 @@ def _controllers(live: Live) -> Iterator[dict[str, Any]]:
 
 
 def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
-    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``; or SceneError."""
+    """The SI value of a text for a drive, ``<controller>.target`` or ``.active``."""
     unit = next((each["unit"] for each in (*_drives(mechanism, live), *_controllers(live))
                  if each["name"] == name), "")
     kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
@@ -92,11 +91,10 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
     try:  # without a dimension, a text of any unit is Measured
         value = parse_quantity(text, dimension or None)
     except WrongValueError as error:
-        raise SceneError([Problem(error.code, f"{quoted(name)}: {error.message}", "",
-                                  allowed=allowed, hint=error.hint)]) from None
-    if not dimension and isinstance(value, Measured):
-        raise SceneError([Problem("wrong-unit", f"{quoted(name)} takes no unit", "",
-                                  allowed=allowed)])
+        raise WrongValueError(error.code, f"{quoted(name)}: {error.message}", allowed=allowed,
+                              hint=error.hint) from None
+    refuse_if(not dimension and isinstance(value, Measured), f"{quoted(name)} takes no unit",
+              "wrong-unit", allowed=allowed)
     return value
 
 
@@ -104,10 +102,8 @@ def _span(value: float, unit: str) -> tuple[float, float]:
     """The range of a slider with this first value."""
     if value and math.isfinite(value):
         return min(0.0, 2 * value), max(0.0, 2 * value)
-    factor, dimension = UNITS.get(unit, (1.0, None))
-    most = USUAL.get(unit) or next((usual / factor for si, usual in USUAL.items()
-                                    if dimension and UNITS.get(si, (1.0, None))[1] == dimension),
-                                   1.0)
+    factor, dimension = UNITS.get(unit, (1.0, ""))
+    most = next((usual / factor for si, usual in USUAL.items() if UNITS[si][1] == dimension), 1.0)
     return -most, most
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,10 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import curves
 from sandbox.numeric import Integers
 from sandbox.picture.bounds import Rectangle, body_box, place_camera, whole_box, width_shown
-from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
+from sandbox.picture.build import subject_of
 from sandbox.picture.labels import place_labels
-from sandbox.picture.listing import Item, Listing, RunData, short
-from sandbox.picture.scales import Tensions, bars_of, tensions_of
-from sandbox.picture.subject import Subject, visible_layers
+from sandbox.picture.listing import Listing, RunData, short
+from sandbox.picture.subject import Subject
 from sandbox.scene.layers import EVERY, LAYERS, shown
 from sandbox.scene.settings import View
 from sandbox.values.expressions import is_expression
@@ -70,64 +69,6 @@ def listed(
             item["placed"] = 1
     s.out.items = items
     return s, [box.x0, box.y0, box.x1, box.y1]
-
-
-class LiveListing:
-    """Display lists of a run's latest samples, on the scales of a recording of its scene."""
-
-    def __init__(self, look: RunData) -> None:
-        self._look, self._view = look, look.mechanism.view
-        self._full, self.box = listed(look, live=True)
-        self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
-        self._known: dict[frozenset[str], tuple[View, dict[str, list[int]], Tensions]] = {}
-        """By the layers that are shown: the view, its layers, and tensions of the recording."""
-        self._changing: list[Callable[[Subject], None]] = []
-        """Elements with columns, tables or frames."""
-        self._raw: list[Item] = []  # their items as they list them
-        self._last: Subject | None = None
-        self._layers: set[str] | None = set()
-
-    def of(self, run: RunData, layers: set[str] | None) -> Subject:
-        """The list of some samples with the layers that are shown."""
-        if self._last is not None and layers == self._layers:
-            s = self._subject(run, layers, self._last.out)
-            for add in self._changing:
-                add(s)
-            if s.out.items == self._raw:
-                s.out.items, s.out.legend = self._last.out.items, self._last.out.legend
-                return s
-        s = self._subject(run, layers, None)
-        out, self._changing, self._raw = s.out, [], []
-        for add in ELEMENTS:
-            count, before = len(out.items), out.sizes
-            add(s)
-            if out.sizes != before:
-                self._changing.append(add)
-                self._raw += [dict(item) for item in out.items[count:]]
-        add_legend(s, s.carried)
-        s.close()
-        self._last, self._layers = s, layers
-        return s
-
-    def _subject(self, run: RunData, layers: set[str] | None, like: Listing | None) -> Subject:
-        key = frozenset(self._visible if layers is None else layers)
-        if key not in self._known:
-            every = all_layers(self._view).show
-            view = self._view.model_copy(update={"show": {
-                name: every[name] if name in key and name in every else () for name in LAYERS}})
-            visible = visible_layers(self._look, view)
-            self._known[key] = view, visible, tensions_of(
-                self._look, bars_of(self._look, visible.get("bars", ())))
-        view, visible, carried = self._known[key]
-        out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=True)
-        if like is not None:
-            out.share_styles(like)
-        out.ramps = RAMPS
-        carried = tensions_of(run, bars_of(run, visible.get("bars", ()))).beside([carried])
-        full = self._full
-        return Subject(run, view, visible, out,
-                       carried if "tensions" in visible else carried.hidden(), full.force,
-                       full.width, full.point, (self._look,))
 
 
 def drawing(

@@ -9,7 +9,9 @@ forces are means over the steps since the last frame: those of a single step fli
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,11 +23,16 @@ from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
-from sandbox.picture.listing import Item, SomeSamples
+from sandbox.picture.build import ELEMENTS, RAMPS, add_legend
+from sandbox.picture.listing import Item, Listing, SomeSamples
+from sandbox.picture.scales import bars_of, tensions_of
+from sandbox.picture.subject import Subject, visible_layers
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
-from sandbox.web.drawing import LiveListing, drawing, expressions_of, meters_of, page_list
+from sandbox.scene.layers import LAYERS, shown
+from sandbox.web.drawing import all_layers, drawing, expressions_of, listed, meters_of, page_list
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
@@ -42,12 +49,10 @@ def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
     """A trial run of the scene, as far as the time allows: it gives the picture its scales."""
     simulation, began = Simulation(scene), time.perf_counter()
     every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
-    try:
+    with suppress(SimulationDiverged):
         while not simulation.finished and (
                 simulation.steps < 2 * every or time.perf_counter() - began < seconds):
             simulation.step(AT_ONCE)
-    except SimulationDiverged:
-        pass
     return simulation.recording()
 
 
@@ -55,9 +60,9 @@ class LiveFrames:
     """Frames of one run; ``look`` is a trial run of the scene."""
 
     def __init__(self, live: Live, look: Recording) -> None:
-        self.live, self.look = live, look
-        self.layers: set[str] | None = None
-        """Layers that are shown; by default those of the scene's view."""
+        self.live, self.look, view = live, look, live.scene.view
+        self.layers = set(shown(view.show, traced=bool(view.traces)))
+        """Layers that are shown."""
         self._shown: set[str] | None = None  # those of the last frame
         self.watched: list[str] = []  # quantities in the frames
         self.units = {name: live.unit(name) for name in live.names()}
@@ -68,8 +73,11 @@ class LiveFrames:
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """By pair of bodies that have touched: whether the force is shown on the second."""
-        self._listing = LiveListing(look)
-        self._sent: list[Item] = []  # items of the page's list
+        self._full, self._box = listed(look, live=True)
+        self._subject, self._scale = self._full, self._full.carried
+        self._still: dict[Callable[[Subject], None], tuple[list[Item], list[Any]]] = {}
+        """Items and keys of elements without columns, tables or frames."""
+        self._items, self._sent = list[Item](), list[Item]()  # as they are listed; of the page
         self._steps = 0  # number of steps up to the last frame
         self._travel = np.zeros(len(live.scene.drives))
         """The integral of each drive's value over these: the travel of surfaces."""
@@ -80,8 +88,14 @@ class LiveFrames:
     def _own_meters(self) -> Iterator[dict[str, Any]]:
         view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
         for meter in meters_of(view, self.look.catalogue):
-            wrong = {name: why for name in meter["names"] if name not in self.units
-                     and (why := _unreadable(self.live, name))}
+            wrong = dict[str, str]()  # why it cannot be read during a run, by name
+            for name in meter["names"]:
+                try:
+                    self.live[name]
+                except SceneError as error:
+                    wrong[name] = error.problems[0].message
+                except UnknownQuantityError as error:
+                    wrong[name] = str(error)
             names = [name for name in meter["names"] if name not in wrong]
             part = "a curve of a meter" if names else "a meter"
             self.left_out += [f"{part} of the view is left out: {why}"
@@ -91,28 +105,23 @@ class LiveFrames:
             if names:
                 yield {**meter, "names": names}
 
-    def _pairs(self) -> Iterator[tuple[str, str]]:
+    def _pairs(self) -> dict[str, str]:
         """Quantities of the pairs of bodies that touched in the trial run, with their units."""
         arrays, bodies = self.look.arrays, self.live.scene.bodies
         pairs = np.unique(np.sort(np.stack(
             (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
-        for a, b in pairs[:MAX_PAIRS].tolist():
-            one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
-            for quantity in PAIR:
-                name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                yield name, self.look.catalogue.find(name).unit
-
-    def has(self, name: str) -> bool:
-        """Whether frames can have a quantity, a meter of the view or one of a pair."""
-        return name in self.units or ("/" in name and name in self.look.catalogue)
+        named = ((bodies[b].name, bodies[a].name) if bodies[a].motion == "fixed" else
+                 (bodies[a].name, bodies[b].name) for a, b in pairs[:MAX_PAIRS].tolist())
+        return {f"{one}/{other}.{quantity}": unit for one, other in named
+                for quantity, unit in PAIR.items()}
 
     def drawing(self) -> dict[str, Any]:
         """Data that a ``Stage`` needs before the first frame."""
-        return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
+        return {**drawing(self.look, self._subject, self._box, live=True), **self._list(),
                 "head": list(HEAD), "drives": len(self.live.scene.drives),
                 "meters": self.meters, "units": {
                     **{name: self.units[name] for name in self.look.catalogue.telling
-                       if name in self.units}, **self.units, **dict(self._pairs())}}
+                       if name in self.units}, **self.units, **self._pairs()}}
 
     def _list(self) -> dict[str, Any]:
         self._sent = self._subject.out.items
@@ -151,23 +160,56 @@ class LiveFrames:
         first = max(len(arrays["time"]) - (self.live.steps - self._steps), 0)
         self._travel += self.live.scene.run.step * arrays["drive_value"][first:].sum(axis=0)
         few["drive_travel"] = np.tile(self._travel, (len(few["time"]), 1))
-        self._subject = self._listing.of(
-            SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
+        self._subject = self._listed(
+            SomeSamples(self.live.scene, self._model, few, few["time"]))
         if "contacts" in self._subject.out.tables:
             self._subject.out.tables["contacts"] = self._mean_contacts(arrays, len(few["time"]) - 1)
         self._drives = few["drive_value"][-1]
         self._trail = self._places(arrays)
         self._steps, self._shown = self.live.steps, self.layers
 
+    def _listed(self, run: SomeSamples) -> Subject:
+        """The display list of some samples, on the scales of the trial run."""
+        before, look = self._subject, self.look
+        out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=True)
+        out.ramps = RAMPS
+        if self.layers != self._shown:
+            view = all_layers(look.mechanism.view)
+            view = view.model_copy(update={"show": {
+                name: view.show.get(name, ()) if name in self.layers else () for name in LAYERS}})
+            before = replace(self._full, view=view, layers=visible_layers(look, view), out=out,
+                             beside=(look,), arrows={}, trace_ink="", signs=set())
+            self._scale = tensions_of(look, bars_of(look, before.layers.get("bars", ())))
+            self._items, self._still = [], {}
+        else:
+            out.share_styles(before.out)
+        carried = tensions_of(run, bars_of(run, before.layers.get("bars", ())))
+        carried = carried.beside([self._scale])
+        s = replace(before, run=run, out=out, keys=[], carried=carried
+                    if "tensions" in before.layers else carried.hidden())
+        for add in ELEMENTS:
+            count, sizes = len(out.items), out.sizes
+            if known := self._still.get(add):
+                out.items += known[0]
+                s.keys += known[1]
+            else:
+                add(s)
+                if out.sizes == sizes:
+                    self._still[add] = out.items[count:], s.keys[count:]
+        if out.items == self._items:  # the order may differ
+            out.items, out.legend = before.out.items, before.out.legend
+        else:
+            self._items = out.items
+            add_legend(s, carried)
+            s.close()
+        return s
+
     def _places(self, arrays: Arrays) -> Array:
         """Places of the point of each trail since the last frame, [trails, m, 2] m."""
         points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
         new = min(self.live.steps - self._steps, len(arrays["time"]))
         some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
-        pose, found = arrays["body_pose"][some], []
-        for body, x, y in points:
-            c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
-            found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
+        found = [placed(arrays["body_pose"][some, body], np.array([x, y])) for body, x, y in points]
         return np.array(found).reshape(len(found), len(some), 2)
 
     def _mean_contacts(self, arrays: Arrays, sample: int) -> Array:
@@ -195,14 +237,3 @@ class LiveFrames:
             np.full(len(keys), sample), np.where(swapped, other * bodies + one, keys),
             summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
             sign * summed(fy)])
-
-
-def _unreadable(live: Live, word: str) -> str:
-    """Why a quantity or an expression cannot be read during a run; empty if it can."""
-    try:
-        live[word]
-    except SceneError as error:
-        return error.problems[0].message
-    except UnknownQuantityError as error:
-        return str(error)
-    return ""

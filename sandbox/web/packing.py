@@ -46,34 +46,27 @@ class Blocks:
 
     def add(self, key: str, columns: Array, *, bits: int = 16) -> None:
         """Append columns [k, n] under a name."""
-        q, low, step = quantised(columns, bits)
+        none = 2**bits - 1
+        known = np.isfinite(columns)
+        low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
+        high = np.where(known, columns, -np.inf).max(axis=1, initial=-np.inf)
+        low, high = np.where(high >= low, (low, high), 0.0)
+        low = np.array([float(f"{v:.10g}") for v in low])
+        with np.errstate(over="ignore"):
+            span = np.minimum(high - low, 1e308)
+        step = np.where(span > 0, span / (none - 1), 1.0)
+        whole = ((columns == np.rint(columns)) | ~known).all(axis=1)
+        step = np.where(whole & (span < none - 1), 1.0, step)
+        step = np.array([float(f"{v:.10g}") for v in step])
+        with np.errstate(invalid="ignore", over="ignore"):
+            q = np.rint((columns - low[:, None]) / step[:, None])
+        q = np.where(known, np.clip(q, 0, none - 1), none).astype(np.uint32)
         self.heads.append({"key": key, "n": columns.shape[1], "k": columns.shape[0],
                            "at": len(self.raw), "bytes": bits // 8, "low": low.tolist(),
                            "step": step.tolist()})
         d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
         for k in range(bits // 8):
             self.raw += (d >> np.uint32(8 * k)).astype(np.uint8).tobytes()
-
-
-def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
-    """Columns [k, n] as integers, the value of 0 and that of a step of 1, [k]."""
-    none = 2**bits - 1
-    known = np.isfinite(columns)
-    low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
-    high = np.where(known, columns, -np.inf).max(axis=1, initial=-np.inf)
-    some = np.isfinite(low) & np.isfinite(high)
-    low, high = np.where(some, low, 0.0), np.where(some, high, 0.0)
-    low = np.array([float(f"{v:.10g}") for v in low])
-    with np.errstate(over="ignore"):
-        span = np.minimum(np.maximum(high - low, 0.0), 1e308)
-    step = np.where(span > 0, span / (none - 1), 1.0)
-    whole = ((columns == np.rint(columns)) | ~known).all(axis=1)
-    step = np.where(whole & (span < none - 1), 1.0, step)
-    step = np.array([float(f"{v:.10g}") for v in step])
-    with np.errstate(invalid="ignore", over="ignore"):
-        q = np.rint((columns - low[:, None]) / step[:, None])
-    q = np.where(known, np.clip(q, 0, none - 1), none)
-    return q.astype(np.uint32), low, step
 
 
 def kept_samples(time: Array, pose: Array, width: float) -> Flags:
@@ -113,8 +106,7 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
     """Frames of a display list and quantities of a run; ``width`` of the picture [m]."""
     time, moves = run.time, moving(out)
     pose = out.pose[:, moves].reshape(len(time), -1)
-    keep = kept_samples(time, pose, width)
-    frames = np.flatnonzero(keep)
+    frames = np.flatnonzero(kept_samples(time, pose, width))
     blocks, said = Blocks(), []
     blocks.add("t", time[None, frames], bits=24)
     blocks.add("pose", np.ascontiguousarray(pose[frames].T))

@@ -173,8 +173,8 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
     Grasp measures, which take long, are included only if they are in ``plots`` or expected.
     """
     bodies, arrays = run.mechanism.bodies, run.arrays
-    wanted = {*plots, *(name for expect in run.mechanism.expect
-                        for name in run.match(expect.quantity))}
+    wanted = dict.fromkeys([*plots, *(name for expect in run.mechanism.expect
+                                      for name in run.match(expect.quantity))])
     names = []
     for head, element in run.catalogue.elements.items():
         fixed = element.kind == "body" and bodies[element.index].motion == "fixed"

@@ -19,15 +19,16 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from sandbox.errors import OutputError, SandboxError, optional
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.protocol import State
+from websockets.sync.server import ServerConnection, serve
+from websockets.typing import Origin
+
+from sandbox.errors import OutputError, SandboxError
 from sandbox.web.page import html_page, policy, script
 from sandbox.web.session import FRAME, Answer, Session
-
-if TYPE_CHECKING:
-    from websockets.http11 import Request, Response
-    from websockets.sync.server import ServerConnection
 
 HOST = "127.0.0.1"
 MAX_UNSEEN = 6
@@ -70,7 +71,6 @@ class Server:
     @contextlib.contextmanager
     def listening(self) -> Iterator[None]:
         """Listen within a ``with`` statement; OutputError if the port is taken."""
-        serve = needed()
         try:
             listener = socket.create_server((HOST, self.port))
         except OSError as error:
@@ -78,8 +78,8 @@ class Server:
                               "without --port a free one is found", code="cannot-listen") from None
         self.port = listener.getsockname()[1]
         server = serve(self._tab, sock=listener, process_request=self._answer, compression=None,
-                       origins=[f"http://{host}" for host in self._hosts], max_size=MAX_BYTES,
-                       close_timeout=1)
+                       origins=[Origin(f"http://{host}") for host in self._hosts],
+                       max_size=MAX_BYTES, close_timeout=1)
         thread = threading.Thread(target=server.serve_forever, name="server")
         thread.start()
         try:
@@ -118,8 +118,6 @@ class Server:
 
     def _tab(self, connection: ServerConnection) -> None:
         """Run the session of a tab until it is closed, in a thread of its own."""
-        from websockets.exceptions import ConnectionClosed
-
         with contextlib.suppress(ConnectionClosed):
             if not self._room.acquire(blocking=False):
                 self._refuse(connection, f"{MAX_TABS} tabs run this scene already; close one, and "
@@ -147,8 +145,6 @@ class _Tab:
     def __init__(
         self, connection: ServerConnection, session: Session, stopping: threading.Event,
     ) -> None:
-        from websockets.protocol import State
-
         self.connection, self.session, self.stopping = connection, session, stopping
         session.closed = lambda: stopping.is_set() or connection.protocol.state is not State.OPEN
         self.seen = 0  # the last frame that the page has drawn
@@ -163,8 +159,6 @@ class _Tab:
     @contextlib.contextmanager
     def _busy(self) -> Iterator[None]:
         """Tell the page that the session is busy if the work within takes long."""
-        from websockets.exceptions import ConnectionClosed
-
         def tell() -> None:
             with contextlib.suppress(ConnectionClosed):
                 self.send({"working": True})
@@ -219,8 +213,6 @@ class _Tab:
 
     def _save(self, save: Callable[[], Answer]) -> None:
         """Save a run while the page plays on; also if the page is closed meanwhile."""
-        from websockets.exceptions import ConnectionClosed
-
         answer = save()
         with contextlib.suppress(ConnectionClosed):
             self.send(answer)
@@ -240,9 +232,8 @@ class _Tab:
 
     def _reload(self) -> None:
         """Read the scene again if one of its files has changed."""
-        session, before = self.session, self._files
-        self._files = self._stamps()
-        if before == self._files:
+        session = self.session
+        if self._files == self._stamps():
             return
         with self._busy():
             answers = [session.head()] if session.reload() else []
@@ -257,8 +248,3 @@ class _Tab:
             with contextlib.suppress(OSError):
                 found[path] = path.stat().st_mtime_ns
         return found
-
-
-def needed() -> Any:
-    """The function that serves; an error with the command that installs it, if it is missing."""
-    return optional("websockets.sync.server", "'sandbox-mechanics[view]'").serve

@@ -6,19 +6,17 @@ It has no transport: see :mod:`sandbox.web.server`.
 from __future__ import annotations
 
 import contextlib
-import itertools
 import json
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Hand, Live
 from sandbox.engine.simulate import simulate
-from sandbox.errors import Problem, SandboxError, SceneError
+from sandbox.errors import SandboxError, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
@@ -26,7 +24,7 @@ from sandbox.values.expressions import is_expression
 from sandbox.values.units import dimension_of, units_of
 from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.web.frames import AT_ONCE, LOOK, LiveFrames, looked_at
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import WrongValueError, listed, near, quoted, refuse_if
 
 FRAME = 1 / 60  # seconds from frame to frame
 BUDGET = 0.012  # seconds that the steps of a frame may take; motion is slower if they take longer
@@ -90,14 +88,16 @@ class Session:
         self.trouble, self._due = "", 0.0
         self._end = round(live.scene.run.duration / live.scene.run.step)
         """Steps to the end of the scene, where it pauses once."""
-        self.frames.layers = self._layers
+        if self._layers is not None:
+            self.frames.layers = self._layers
         watched = self._watched
         if watched is None:  # at first the view's meters, else the usual quantities
             shown = dict.fromkeys(name for meter in self.frames.meters for name in meter["names"])
             usual = ([name for name in names if name in self.frames.units]
                      for names in self._look.catalogue.usual.values())
             watched = [*shown][:MAX_METERS] or next(filter(None, usual), [])[:FIRST_METERS]
-        self.frames.watched = [name for name in watched if self.frames.has(name)]
+        self.frames.watched = [name for name in watched if name in self.frames.units or (
+            "/" in name and name in self._look.catalogue)]
 
     # -- answers ---------------------------------------------------------------------------
 
@@ -108,14 +108,13 @@ class Session:
 
     def status(self) -> Answer:
         """The texts beside the picture: whether it runs, how fast, errors."""
-        note, file = "", Path(self.loaded.name)
+        note = ""
         if not self.playing and self.live.steps == self._end:
             note = (f"The scene ends at {self.scene.run.duration:.6g} s. "
                     "Press run to continue, or reset to go back to the start.")
         # without the folder of the scene's file, which the user knows
-        trouble, *warnings = (
-            text.replace(self.loaded.name, file.name) if file.name else text
-            for text in (self.trouble or self.live.ending, *self.warnings))
+        trouble, *warnings = (text.replace(self.loaded.name, Path(self.loaded.name).name)
+                              for text in (self.trouble or self.live.ending, *self.warnings))
         return {"status": {"playing": self.playing, "speed": self.speed, "note": note,
                            "trouble": trouble, "warnings": warnings,
                            "left_out": self.frames.left_out}}
@@ -193,9 +192,13 @@ class Session:
             return [{"error": "a message is a JSON object"}]
         try:
             answers = self._answers(message)
-        except SandboxError as error:
-            problems = error.problems if isinstance(error, SceneError) else []
-            answers = [{"error": "; ".join(map(_in_line, problems)) or str(error)}]
+        except SceneError as error:
+            answers = [{"error": "; ".join(
+                f"{problem.path}: " * problem.path.startswith("$.") + str(WrongValueError(
+                    problem.code, problem.message, allowed=problem.allowed, hint=problem.hint))
+                for problem in error.problems)}]
+        except (SandboxError, WrongValueError) as error:
+            answers = [{"error": str(error)}]
         except Exception as error:  # the run goes on, whatever was sent
             answers = [{"error": f"the message cannot be handled: {error!r}"}]
         number = message.get("id")
@@ -245,11 +248,13 @@ class Session:
                 self._begin(Live(Checked(self.scene)))
                 return [self.status(), self._controls()]
             case {"do": str(name)}:
-                raise _wrong(f"there is nothing to do called {quoted(name)}",
-                             allowed=listed(ACTIONS), hint=near(name, ACTIONS))
+                raise WrongValueError(
+                    "bad-argument", f"there is nothing to do called {quoted(name)}",
+                    allowed=listed(ACTIONS), hint=near(name, ACTIONS))
             case _:
-                raise _wrong(f"there is nothing to do for {quoted(sorted(message))}",
-                             allowed="set, drag, drop, watch, layers, speed, save or do")
+                raise WrongValueError(
+                    "bad-argument", f"there is nothing to do for {quoted(sorted(message))}",
+                    allowed="set, drag, drop, watch, layers, speed, save or do")
         return [self.status()]
 
     def _back(self) -> list[Answer]:
@@ -274,20 +279,14 @@ class Session:
 
     def _set(self, name: str, value: Any) -> list[Answer]:
         """Set a parameter: at once if only drives and targets depend on it, else begin again."""
-        if not isinstance(value, str | Real) or isinstance(value, bool):
-            raise _wrong(f"{quoted(value)} is not a value for {quoted(name)}")
-        known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
-        if name not in known:
-            raise _wrong(f"there is no parameter {quoted(name)}", code="name-not-found",
-                         allowed=listed(known), hint=near(name, known))
         wanted = {**self.overrides, name: value}
         found = self._read(wanted)
         loaded, key = found.loaded, name.removeprefix(PARAMETER)
         was, now = (getattr(each.scene.parameters[key], "unit", "")
                     for each in (self.loaded, loaded))
-        if was and now and dimension_of(was) != dimension_of(now):
-            raise _wrong(f"{quoted(key)} is no {dimension_of(now)}", code="wrong-unit",
-                         allowed=listed(units_of(dimension_of(was))))
+        refuse_if(was and now and dimension_of(was) != dimension_of(now),
+                  f"{quoted(key)} is no {now and dimension_of(now)}", "wrong-unit",
+                  allowed=was and listed(units_of(dimension_of(was))))
         given = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
         if given is None or self.live.finished:
             self._open(found, QUICK_LOOK)
@@ -301,29 +300,25 @@ class Session:
 
     def _give(self, name: str, value: Any) -> list[Answer]:
         """Set a drive, a target or a switch; the SI value of a text is the answer."""
-        if not isinstance(value, str):
-            self.live.give(name, value)
-            return []
-        number = read_value(name, value, self.loaded.mechanism, self.live)
+        number = read_value(name, value, self.loaded.mechanism, self.live) if isinstance(
+            value, str) else value
         self.live.give(name, number)
-        return [{"given": {"name": name, "value": number}}]
+        return [{"given": {"name": name, "value": number}}] if number is not value else []
 
     def _watch(self, names: list[Any]) -> list[Answer]:
         known, found = self._look.catalogue, list[str]()
-        for name in map(str, names):
-            if "/" not in name or is_expression(name):
-                found.append(name)
-            elif known.match(name):  # the quantities of pairs that match a name or a pattern
-                found += itertools.islice(known.match(name), MAX_METERS + 1)
-            else:
+        for name in map(str, names):  # of pairs, those that match a name or a pattern
+            pair = "/" in name and not is_expression(name)
+            found += known.match(name)[:MAX_METERS + 1] if pair else [name]
+            if pair and not known.match(name):
                 raise UnknownQuantityError(name, known.near(name))
         names = list(dict.fromkeys(found))
-        if len(names) > MAX_METERS:
-            raise _wrong(f"no more than {MAX_METERS} meters run at once", code="limit-exceeded")
+        refuse_if(len(names) > MAX_METERS, f"no more than {MAX_METERS} meters run at once",
+                  "limit-exceeded")
         units = self.frames.units
         for name in names:
-            if not math.isfinite(self.live[name]) and name not in units:
-                raise _wrong(f"{quoted(name)} has no value")
+            refuse_if(not math.isfinite(self.live[name]) and name not in units,
+                      f"{quoted(name)} has no value", "bad-argument")
         self._watched = self.frames.watched = names
         return [{"watched": [{"name": name, "unit": units[name] if name in units
                               else self.live.unit(name)} for name in names]}]
@@ -341,15 +336,3 @@ class Session:
             return {"said": f"the run is in {place}"}
 
         return save
-
-
-def _wrong(message: str, *, code: str = "bad-argument", **more: Any) -> SceneError:
-    return SceneError([Problem(code, message, "", **more)])
-
-
-def _in_line(problem: Problem) -> str:
-    """A problem in one line, with its path in the scene."""
-    place = f"{problem.path}: " if problem.path.startswith("$.") else ""
-    allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
-    hint = f"; did you mean {problem.hint}?" if problem.hint else ""
-    return f"{place}{problem.message}{allowed}{hint}"

@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.errors import OutputError
 from sandbox.figure import style
-from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, Window, draw
+from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, draw
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
@@ -32,7 +32,7 @@ def plotted(*runs: Recording) -> list[Plotted]:
 
 def test_a_window_holds_its_samples_and_no_others() -> None:
     run = recording()
-    axes, = draw(plotted(run), [MCP], window=Window(0.5, 1.25)).axes
+    axes, = draw(plotted(run), [MCP], window=(0.5, 1.25)).axes
     time, shown = axes.lines[0].get_data()
     inside = (run.time >= 0.5) & (run.time <= 1.25)
     assert time == pytest.approx(run.time[inside])
@@ -84,7 +84,7 @@ def test_events_stand_where_they_were_and_too_many_are_told() -> None:
     run = happening(*times)
     assert any(f"{len(times)} events are not marked" in text
                for text in texts(draw(plotted(run), [MCP])))
-    figure = draw(plotted(run), [MCP, "k1.value"], window=Window(0.25, 0.45))
+    figure = draw(plotted(run), [MCP, "k1.value"], window=(0.25, 0.45))
     for axes in figure.axes:
         assert [line.get_xdata()[0] for line in axes.lines
                 if len(line.get_xdata()) == 2] == pytest.approx([0.3, 0.4])
@@ -108,7 +108,7 @@ def test_a_run_that_does_not_have_it_is_left_out() -> None:
 def test_too_much_or_too_little_is_told() -> None:
     run = recording()
     with pytest.raises(OutputError, match=r"the first is at .* the last at"):
-        draw(plotted(run), [MCP], window=Window(50.0))
+        draw(plotted(run), [MCP], window=(50.0, 60.0))
     with pytest.raises(OutputError, match="13 panels are too many"):
         draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
 

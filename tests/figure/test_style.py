@@ -25,12 +25,12 @@ def test_units_that_people_read() -> None:
     assert style.shown_as("rad").factor == pytest.approx(57.29578)
     assert style.shown_as("rad/s").unit == "deg/s"
     assert style.shown_as("m", small).unit == "mm"
-    assert style.shown_as("m", small, large) == style.Shown(1, "m", " m")
-    assert style.shown_as("N m") == style.Shown(1, "N m", " N m")
-    assert style.shown_as("1") == style.Shown(1, "", "")
+    assert style.shown_as("m", small, large) == style.Shown(1, "m")
+    assert style.shown_as("N m") == style.Shown(1, "N m")
+    assert style.shown_as("1") == style.Shown(1, "")
 
 
-@pytest.mark.parametrize("suffix", style.SUFFIXES)
+@pytest.mark.parametrize("suffix", style.METADATA)
 def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> None:
     for name in "ab":
         figure = style.new_figure(60)

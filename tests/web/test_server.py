@@ -20,17 +20,18 @@ from typing import Any
 
 import pytest
 
+from sandbox.cli.view import view
 from sandbox.errors import OutputError, SandboxError
 from sandbox.scene.read.load import read_scene
-from sandbox.web import server as served
 from sandbox.web.page import html_page, script
-from sandbox.web.server import START, Server
 from sandbox.web.session import Found, Session
 from tests.cli.conftest import FIRST_RUN
 
 from .test_session import PULLED
 
-client = pytest.importorskip("websockets.sync.client", reason="the extra 'view' is not installed")
+served = pytest.importorskip("sandbox.web.server", reason="the extra 'view' is not installed")
+client = pytest.importorskip("websockets.sync.client")
+START, Server = served.START, served.Server
 
 
 @pytest.fixture
@@ -215,7 +216,7 @@ def test_a_port_that_is_taken_and_a_library_that_is_missing_are_said(
         pass
     monkeypatch.setitem(sys.modules, "websockets.sync.server", None)
     with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[view\]'"):
-        served.needed()
+        view(None, None, no_browser=True)
 
 
 def started(*words: str, **more: Any) -> subprocess.Popen[str]:
