@@ -11,7 +11,7 @@ import pygame
 
 from sandbox.figure.style import COLOURS, shown_as
 from sandbox.model.meters import curves
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.picture import palette
 from sandbox.picture.listing import read_curve
 from sandbox.picture.palette import Colour, Painter
@@ -33,6 +33,7 @@ class Meter:
 
     cell = plot = pygame.Rect(0, 0, 0, 0)  # all of it; its curves
     size = wide = across = head = 0  # of values: type, width, columns; height above the curves
+    pieces: Sequence[Sequence[tuple[Integers, Array]]] = ()  # of the curves, see _pieces()
 
     def __init__(self, run: Samples, meter: ShownMeter) -> None:
         names = curves(meter, run.catalogue)
@@ -159,9 +160,13 @@ class MeterPanel:
         return sum(self._height(meter) + self.gap for meter in self.meters)
 
     def limit(self, height: float) -> None:
-        """Leave out the last rows that do not fit in a height [pixels] below the motion."""
+        """Leave out curves, then rows, so that a height [pixels] below the motion suffices."""
         while self._rows and self.below > height:
-            self._rows.pop()
+            if not any(meter.plotted for meter in self._rows[-1]):
+                self._rows.pop()
+            else:
+                for meter in self._rows[-1]:
+                    meter.plotted = False
         self.meters = [meter for row in self._rows for meter in row]
 
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
@@ -181,6 +186,10 @@ class MeterPanel:
                 meter.cell = pygame.Rect(x, y, wide, high)
                 meter.plot = pygame.Rect(x + left, y + meter.head, wide - left - self.margin,
                                          round(self._plot_points * self.unit))
+                across = self._across(meter.plot, self._time)
+                first = int(np.searchsorted(self._time, self._start))
+                meter.pieces = [list(_pieces(across, meter.down(row), first))
+                                for row in meter.values]
             y += high + gap
 
     def draw_still(self, painter: Painter) -> None:
@@ -242,19 +251,21 @@ class MeterPanel:
             painter.write((round(plot.left + share * (plot.width - self.type.width(text, size))),
                            plot.bottom + round(2 * self.unit)), text, size, palette.FAINT_INK)
 
-    def _curve(self, painter: Painter, meter: Meter, curve: int, colour: Colour, points: float,
+    def _curve(self, painter: Painter, meter: Meter, curve: int, colour: Colour, line: float,
                until: int | None = None) -> None:
-        of = slice(int(np.searchsorted(self._time, self._start)), until)
-        for x, y in _pieces(self._across(meter.plot, self._time[of]),
-                            meter.down(meter.values[curve, of])):
-            if len(x) > 1:
-                path = [(px, py) for px, py in (painter.enlarge * np.column_stack((x, y))).tolist()]
-                painter.line(path, colour, points * self.unit * painter.enlarge)
+        for samples, points in meter.pieces[curve]:
+            kept = None if until is None else int(np.searchsorted(samples, until))
+            path = [(px, py) for px, py in (painter.enlarge * points[:kept]).tolist()]
+            if len(path) > 1:
+                painter.line(path, colour, line * self.unit * painter.enlarge)
 
 
-def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """The parts of a curve with values; of many in a column the minimum and maximum."""
-    there = np.isfinite(y)
+def _pieces(x: Array, y: Array, first: int) -> Iterator[tuple[Integers, Array]]:
+    """The parts of a curve with values from a sample on: samples, points [n, 2].
+
+    Of many samples in a column of pixels these are the minimum and maximum.
+    """
+    there = np.isfinite(y) & (np.arange(len(y)) >= first)
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         count = 1 + int((x[end - 1] - x[start]) / 1.5)
@@ -262,4 +273,4 @@ def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
         if end - start > 4 * count:
             of = np.unique([k for part in np.array_split(of, count) for k in (
                 part[0], part[-1], part[y[part].argmin()], part[y[part].argmax()])])
-        yield x[of], y[of]
+        yield of, np.column_stack((x, y))[of]
