@@ -218,7 +218,8 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
         known.setdefault((min(one, two), max(one, two)), []).append((
             (1.0 if one < two else -1.0) * a["contact_normal"][row], a["contact_point"][row],
             pressed(evidence, row) is None))
-    near = [touch for touch, parts in _near(evidence) if abs(parts) * evidence.h <= evidence.open]
+    near = [touch for touch, parts in _near(evidence, allowed_pairs(evidence.model))
+            if abs(parts) * evidence.h <= evidence.open]
     for touch in sorted(near, key=lambda touch: (touch.body, touch.other, touch.gap)):
         planes = known.setdefault((touch.body, touch.other), [])
         if not any(several or (np.hypot(*(normal - touch.normal)) <= ALIKE
@@ -239,21 +240,19 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
     """Near pairs without a row, and the largest overlap of outlines that approach [m], or 0."""
-    a, deepest = evidence.arrays, dict[tuple[int, int], float]()
-    rows = {tuple(sorted(pair)) for pair in zip(
-        a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
-    for touch, parts in _near(evidence):
+    allowed, deepest = allowed_pairs(evidence.model), dict[tuple[int, int], float]()
+    one, two = (evidence.arrays[f"contact_{key}"] for key in ("body", "other"))
+    allowed[one, two] = allowed[two, one] = False
+    for touch, parts in _near(evidence, allowed):
         pair = touch.body, touch.other
-        if pair not in rows:
-            depth = -touch.gap if parts * evidence.h < -evidence.open else 0.0
-            deepest[pair] = max(deepest.get(pair, 0.0), depth)
+        depth = -touch.gap if parts * evidence.h < -evidence.open else 0.0
+        deepest[pair] = max(deepest.get(pair, 0.0), depth)
     return deepest
 
 
-def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
-    """Where outlines are near or overlap, and their rate of separation there [m/s]."""
+def _near(evidence: Evidence, allowed: Flags) -> Iterator[tuple[Touch, float]]:
+    """Where outlines of allowed pairs [nb, nb] are near, and their rate of separation [m/s]."""
     frames, velocity = evidence.frames, evidence.velocity_after[:, :, 0]
-    allowed = allowed_pairs(evidence.model)
     owned = [(body, piece) for body in np.flatnonzero(allowed.any(axis=1)).tolist()
              for piece in pieces_of(evidence.run, 0, body)]
     of = np.array([body for body, _ in owned], dtype=np.int64)

@@ -140,10 +140,11 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     width = click.HelpFormatter(max_width=WIDTH).width
+    names = {one.model.__name__: one.name for one in elements()}
     lines = click.formatting.wrap_text(_plain(f"{each.name}: {reference.about(each.model)}"), width,
                                        preserve_paragraphs=True).splitlines()
     lines += ["", "Fields", *_definitions((f"  {row.key}", "; ".join(filter(None, (
-        _type(row.type), row.default if row.default in ("", "required", "as below") else
+        _type(row.type, names), row.default if row.default in ("", "required", "as below") else
         f"default {row.default}"))) + f". {row.meaning}")
         for row in reference.field_rows(each.model))]
     if text := example(each):
@@ -213,9 +214,8 @@ def _definitions(rows: Iterable[tuple[str, str]]) -> list[str]:
     return formatter.getvalue().rstrip("\n").splitlines()
 
 
-def _type(text: str) -> str:
+def _type(text: str, names: dict[str, str]) -> str:
     """A type as JSON has it: objects, with the name that explains them, instead of classes."""
-    names = {each.model.__name__: each.name for each in elements()}
     text = re.sub(r"\[(\w+)\]\([^)]+#\w+\)", lambda link: (
         f"object ({names.get(link[1], f'{link[1]}s')})"), text)
     return text.replace(") or object (", ", ").replace("list of object", "list of objects")

@@ -318,7 +318,8 @@ def fluid_tables(build: Builder) -> tuple[dict[str, Records], list[tuple[int, in
         response=stiffnesses.line_responses(model))
     with np.errstate(divide="ignore"):
         of_gas = fluids["volume"] * (fluids["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluids["gas"])
-    fluids["content"] = np.where(fluids["gas"] > 0, of_gas, fluids["c"] * fluids["start"])
+    of_liquid = fluids["c"] * fluids["start"]
+    fluids["content"] = np.where(fluids["gas"] > 0, of_gas, of_liquid)
     stiff = build.h * build.h * fluids["response"] > records.SOFT * lines.compliance
     meet = [(a, b) for a, b in model.valves.lines.tolist() if a >= 0 and b >= 0]
     beside = stiff.copy()  # stiff lines, and those that valves join to them

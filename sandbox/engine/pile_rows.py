@@ -98,9 +98,10 @@ def _linked(
     """
     joints, motors, frictions = elements.joints, elements.motors, elements.dry_friction
     bounded = np.concatenate([elements.limits["joint"], motors["joint"], frictions["joint"]])
-    direct = joints[np.concatenate([
-        motors["joint"][motors["law"] == PLACED], bounded[joints["bond"][bounded] >= 0],
-        frictions["joint"][(frictions["share"] > 0.0) | (frictions["static"] > 1.0)]])]
+    placed = motors["joint"][motors["law"] == PLACED]
+    released = bounded[joints["bond"][bounded] >= 0]
+    varied = frictions["joint"][(frictions["share"] > 0.0) | (frictions["static"] > 1.0)]
+    direct = joints[np.concatenate([placed, released, varied])]
     between = elements.valves[elements.valves["slot"] >= 0]  # their lines share a coefficient
     coupled = set(elements.fluids["row"][[*between["a"], *between["b"]]].tolist())
     bodies = {body for row, own in rows.items()

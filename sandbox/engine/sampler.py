@@ -124,10 +124,10 @@ class Sampler:
         self._write_springs(arrays, of)
         arrays["guide_lifted"][:] = of["guides"]["lifted"][:, self.tables.constants.wheels]
         lines, fluids = of["fluids"], elements.fluids
-        arrays["line_volume"][:] = lines["grown"] + fluids["volume"]
+        np.add(lines["grown"], fluids["volume"], out=arrays["line_volume"])
         # the content of a gas includes the gas at t = 0 without pressure
-        arrays["line_content"][:] = lines["content"] - np.where(
-            fluids["gas"] > 0, fluids["volume"], 0.0)
+        own = np.where(fluids["gas"] > 0, fluids["volume"], 0.0)
+        np.subtract(lines["content"], own, out=arrays["line_content"])
         arrays["line_ahead"][:] = lines["ahead"] * self.world.h
         arrays["solver_residual"][:, 0] = kept.residual[:n]
         actions, cables, pumps = elements.actions, elements.cables, elements.pumps["drive"]
@@ -172,7 +172,7 @@ class Sampler:
 
     def _write_joints(self, arrays: Arrays, of: dict[str, Records]) -> None:
         elements, results = self.tables.elements, of["joints"]
-        arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
+        np.hypot(results["fx"], results["fy"], out=arrays["joint_reaction"])
         arrays["joint_twist"][:] = np.stack(
             [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = elements.joints["hinge"] == 1, elements.joints["line"] == 1

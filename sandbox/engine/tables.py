@@ -15,7 +15,7 @@ from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NUMBERS
 from sandbox.engine.world import Room, World
 from sandbox.model.programs import curve_tables
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 
 WORKSPACE = st.Result._fields[st.Result._fields.index("found"):]  # scratch
 MAX_NAMES = 16  # that a law reads
@@ -75,7 +75,8 @@ def make_tables(world: World) -> Tables:
     for table, names in ((joints, et.JOINT_ROWS), (springs, ("row",)), (cables.cables, ("row",)),
                          (fluids["fluids"], ("row",)), (loaded, et.JOINT_ROWS)):
         for name in names if len(pattern.unknown) else ():  # rows become their unknowns
-            table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
+            rows: Integers = table[name]
+            table[name] = np.where(rows < 0, -1, pattern.unknown[rows])
     x, y = model.bodies.centre[order].T
     bodies = et.fill(st.BODY, count, number=order, x=x, y=y)
     bonds = et.bond_table(model, springs, cables.cables)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import re
 
@@ -26,21 +25,6 @@ def test_a_bad_scene_exits_2_with_a_message(sandbox, scene, tmp_path, content, w
     assert re.search(words, output.err), output.err
     assert sandbox("run", scene(content)).err == output.err
     assert not (tmp_path / "renders").exists()
-
-
-def test_all_problems_are_reported_with_their_lines(sandbox, scene):
-    data = copy.deepcopy(BALL)
-    data["gravty"] = [0, 0]
-    data["bodies"][0]["mass"] = -1
-    data["run"]["step"] = "1 kg"
-    text = json.dumps(data, indent=1)
-    output = sandbox("check", scene(text))
-    assert output.code == 2
-    assert len(output.err.splitlines()) == 3
-    for line in output.err.splitlines():
-        number = int(re.search(r"ball\.json:(\d+):\d+: \$", line)[1])
-        key = re.search(r"\$\.[\w.\[\]]*?(\w+):", line)[1]
-        assert f'"{key}"' in text.splitlines()[number - 1]
 
 
 @pytest.mark.parametrize("word", ["nothere.json", "no/such/dir/scene.json", ".", "/dev/null", ""])

@@ -123,7 +123,7 @@ def test_inspection_warns_of_a_stiffness_beyond_the_step(value: Any, more: Any) 
     plain = value == 40.0 and not more
     assert len(warned) == (0 if plain else 1)
     if not plain:
-        assert "h w = 1.5" in warned[0].message
+        assert (warned[0].code, "h w = 1.5" in warned[0].message) == ("stiff-step", True)
 
 
 INERTIA, MAX_TORQUE = 4e-5, 2e-3

@@ -93,26 +93,6 @@ def test_a_tendon_without_stiffness_carries_nothing(most: float) -> None:
     assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > weight
 
 
-def test_whole_turns_count() -> None:
-    """A load of 100 kg, three turns and a half round a bar, is held by m g e^(-mu phi)."""
-    mu, r = 0.2, 0.05
-    phi = 7 * math.pi
-    hand = 100 * G * math.exp(-mu * phi)
-    for share, slides in ((1.01, False), (0.99, True)):
-        run = sound(simulate(mechanism(
-            duration=0.3, step=H, gravity=(0.0, -G),
-            bodies=[fixed("ground"), mass("load", 100.0, (r, -1.0))],
-            tendons=[{"name": "rope", "stiffness": 1e6, "damping": 5e3, "pretension": 100 * G,
-                      "guides": [guide("load"), guide("ground", (0, 0), r, "left", mu) | {
-                          "turns": 3}, guide("ground", (-r, -1))]}],
-            drives=[{"type": "pull", "name": "pull", "tendon": "rope", "value": share * hand}])))
-        assert run["rope.length"][0] == pytest.approx(2.0 + phi * r, rel=1e-6)
-        assert (abs(float(run["load.vy"][-1])) > 1e-4) is slides
-        if slides:
-            ratio = run["rope.tension_0"][-1] / run["rope.tension_1"][-1]
-            assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
-
-
 def test_a_released_pull_leaves_no_tension_behind_a_guide() -> None:
     """A pull that ends leaves no stretch behind a guide that would still hold some."""
     run = sound(simulate(mechanism(

@@ -121,9 +121,6 @@ def test_others_have_no_counterpart(given: dict[str, Any], what: str) -> None:
         spring_text(**given)
 
 
-# --- comments and names
-
-
 # --- contact pairs
 
 

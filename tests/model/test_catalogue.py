@@ -103,6 +103,7 @@ def test_every_problem_is_told_with_its_place():
     assert set(told) == {"$.meters[0].value", "$.meters[1].value", "$.meters[4].name",
                          "$.meters[5].name", "$.expect[0].mean", "$.expect[1].final",
                          "$.expect[2].max", "$.expect[3].quantity", "$.expect[3].at"}
+    assert told["$.expect[3].at"].code == "bad-time"
     assert told["$.expect[3].at"].message.startswith("the instant is 99 s, the run ends ")
     assert told["$.meters[0].value"].hint == "'disc.x'"
     assert told["$.meters[0].value"].allowed.endswith("'disc.contact.fy'")  # all of a body

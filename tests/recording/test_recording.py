@@ -90,13 +90,13 @@ def test_a_pattern_that_fits_nothing_or_several_units(finger_run: sandbox.Record
 
 
 def test_with_the_libraries_themselves(finger_run: sandbox.Recording) -> None:
-    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
-    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
-    table, data = finger_run.to_pandas(), finger_run.to_xarray("finger.mcp.angle")
-    assert isinstance(table, pandas.DataFrame)
-    assert isinstance(data, xarray.Dataset)
+    table = finger_run.to_pandas()
     assert len(table) == len(finger_run)
     assert "finger.tendon.tension" in table
+    np.testing.assert_array_equal(table["finger.mcp.angle"], finger_run["finger.mcp.angle"])
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    data = finger_run.to_xarray("finger.mcp.angle")
+    assert isinstance(data, xarray.Dataset)
     np.testing.assert_array_equal(table["finger.mcp.angle"], data["finger.mcp.angle"])
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.errors import Problem
 from sandbox.values.paths import parse_path
 from tests.scene.hand import ARM, FLUIDS, hand
 
@@ -136,6 +137,10 @@ drives = [{"type": "force", "name": "push", "body": "a", "direction": [5e-324, 5
     | out-of-range | as a direction its length is @ drives[0].direction
 drives = [{"type": "force", "name": "push", "body": "a", "direction": [1, 0], "value": {"to": 1e+17,
     "over": 0.1}}] | out-of-range | 1e+17 is too large @ drives[0].value
+bodies[0].shapes[0] = {"type": "drawing", "file": "no.svg"}
+    | bad-drawing | no folder to read a drawing from
+parts = [{"name": "jaw", "include": "jaw"}]
+    | bad-include | comes from no file has no folder @ parts[0].include
 [outline]
 bodies[0].shapes[0].points = [[0, 0], [2, 2], [2, 0], [0, 2]] | bad-outline
     | crosses or touches itself at [1, 1], where the side from corner 0 meets that from corner 2
@@ -296,3 +301,10 @@ def test_a_name_close_to_that_of_an_unreadable_element_gets_it_as_suggestion() -
     found = next(each for each in caught.value.problems if each.code == "name-not-found")
     assert found.hint == "'disc'"
     assert not found.allowed
+
+
+def test_a_diagnostic_without_a_known_code_cannot_be_made() -> None:
+    with pytest.raises(KeyError, match="no diagnostic has the code 'my words'"):
+        Problem("my words", "$")
+    with pytest.raises(KeyError, match="no diagnostic has the code 'none'"):
+        sandbox.SandboxError("my words", code="none")
