@@ -32,7 +32,8 @@ from sandbox.model import supports
 from sandbox.model.model import NONE, Model
 from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
+from sandbox.samples.cables import lengths_at_start, rest_lengths
+from sandbox.samples.loads import pulls_at_start
 from sandbox.samples.stiffness import null_space
 
 COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24

@@ -30,7 +30,8 @@ from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, w
 from sandbox.export.tree import Link, freedoms, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Model
-from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
+from sandbox.samples.cables import Frames, Stretches, rest_lengths
+from sandbox.samples.loads import pulls_at_start
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, corners, reach_of, solids
 from sandbox.scene.mechanism import Mechanism
@@ -433,7 +434,7 @@ def add_tendons(draft: Draft) -> float:
     """Add all tendons; return the largest time step for the elastic ones [s]."""
     tendons, step, stiff = draft.model.tendons, math.inf, []
     rests, pulls = rest_lengths(draft.model).tolist(), pulls_at_start(draft.model)
-    start = stretches_at_start(draft.model)
+    start = Frames.at_start(draft.model).cables
     for tendon, name in enumerate(tendons.name):
         law: dict[str, float | tuple[float, float]] = {}
         if tendons.drive[tendon] == NONE:

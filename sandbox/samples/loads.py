@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sandbox.model.joints import meeting, rotated
-from sandbox.model.model import NONE, held_of
+from sandbox.model.model import NONE, Model, held_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, Places, piece_tensions
 
@@ -276,16 +276,8 @@ class Loads:
 
     @cached_property
     def cable_efforts(self) -> Batch:
-        """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
-        tendons, cables = self.model.tendons, self.frames.cables
-        one, two = tendons.stretch_first, tendons.stretch_first + 1
-        # n x u = -1
-        starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
-                                  - tendons.guide_radius[nodes, None]], axis=1)
-                        for nodes, end in ((one, cables.start), (two, cables.end)))
-        return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
-                     np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([-starts, ends]))
+        """Those of :func:`cable_efforts`."""
+        return cable_efforts(self.frames)
 
     @property
     def piece_efforts(self) -> Batch:
@@ -323,3 +315,21 @@ class Loads:
             sides.append((on, np.stack([x, y, moment], axis=1), arm))
         body, wrench, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
         return ContactSides(np.tile(sample, 2), body, wrench, arm)
+
+
+def cable_efforts(frames: Frames) -> Batch:
+    """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
+    tendons, cables = frames.model.tendons, frames.cables
+    one, two = tendons.stretch_first, tendons.stretch_first + 1
+    # n x u = -1
+    starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
+                              - tendons.guide_radius[nodes, None]], axis=1)
+                    for nodes, end in ((one, cables.start), (two, cables.end)))
+    return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
+                 tendons.guide_body[np.concatenate([one, two])], np.concatenate([-starts, ends]))
+
+
+def pulls_at_start(model: Model) -> Array:
+    """Wrenches about the centres of mass of 1 N in every tendon at t = 0, [nt, nb, 3]."""
+    efforts = cable_efforts(Frames.at_start(model))
+    return -efforts.wrenches(len(model.tendons.name), len(model.bodies.name))
