@@ -182,11 +182,10 @@ def merge_contacts(
     """
     bodies = 1 + max(body.max(initial=0), other.max(initial=0))
     pair = (sample * bodies + body) * bodies + other
-    if (pair[1:] < pair[:-1]).any():  # bodies of several shapes
-        order = np.argsort(pair, kind="stable")
-        sample, body, other, pair = (column[order] for column in (sample, body, other, pair))
-        point, force, normal, weight, gap, twist = (
-            column[order] for column in (point, force, normal, weight, gap, twist))
+    order = np.argsort(pair, kind="stable")  # of bodies with several shapes
+    sample, body, other, pair, point, force, normal, weight, gap, twist = (
+        column[order] for column in (
+            sample, body, other, pair, point, force, normal, weight, gap, twist))
     start = np.flatnonzero(np.diff(pair, prepend=-1))
     merged = np.diff(start, append=len(sample)).astype(float)
     if len(start) < len(sample):
