@@ -379,14 +379,11 @@ def add_links(draft: Draft) -> None:
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
     """Stiffness, rest angle, damping and friction of a pin with its springs and brake."""
-    springs = draft.model.springs
-    laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
-            for i in draft.coils[joint]]
-    law: dict[str, float] = {}
-    if stiffness := sum(k for k, _, _ in laws):
+    springs, own, law = draft.model.springs, draft.coils[joint], dict[str, float]()
+    if stiffness := float(springs.stiffness[own].sum()):
         law["stiffness"] = stiffness
-        law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
-    if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
+        law["springref"] = float(springs.stiffness[own] @ springs.rest[own]) / stiffness
+    if damping := float(draft.model.hinge_damping[joint]):
         law["damping"] = damping
     if loss := float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0):
         law["frictionloss"] = loss
