@@ -10,7 +10,6 @@ from sandbox.audit.evidence import Check, Evidence, NotComputed, Worst, peak
 from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
-from sandbox.model.pairs import friction_of
 from sandbox.model.supports import components
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
@@ -125,8 +124,7 @@ def grip_of(final: Evidence, group: Group, least: float = TOUCH) -> Grip | None:
     tangents, points = np.column_stack([-normals[:, 1], normals[:, 0]]), a["contact_point"][rows]
     phalanx = np.array([members.index(b) for b in own.tolist()], dtype=np.int64)
     at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
-    rough = np.array([friction_of(model.mechanism, *both) > 0 for both in pair[:, rows].T.tolist()],
-                     dtype=bool)
+    rough = loads.run.contacts.laws[0, rows] > 0
     return Grip(hinges, point_jacobian(points, normals, at, phalanx),
                 point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
 

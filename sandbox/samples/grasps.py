@@ -17,7 +17,6 @@ import numpy as np
 from sandbox.elements.quantities import MAX_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
 from sandbox.model.joints import placed, rotated
-from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
@@ -56,6 +55,7 @@ class Grasp:
         first = contacts.body[self.row] == body
         self.push: Array = contacts.normal[self.row]  # Normal forces [N], [m]
         self.normal: Array = np.where(first, 1.0, -1.0)[:, None] * contacts.direction[self.row]
+        self.friction: Array = contacts.laws[1, self.row]  # Coefficients of static friction, [m]
         self.point: Array = contacts.point[self.row]
         self.sample: Integers = contacts.sample[self.row]
         self.other: Integers = np.where(
@@ -77,13 +77,6 @@ class Grasp:
     def epsilon(self) -> Array:
         """Ferrari and Canny's measure, [n]; nan where no hand presses."""
         return self.of_contacts(grasp_epsilon)
-
-    @cached_property
-    def friction(self) -> Array:
-        """Coefficient of static friction of every contact, [m]."""
-        others, which = np.unique(self.other, return_inverse=True)
-        found = [static_friction_of(self.run.mechanism, self.body, int(each)) for each in others]
-        return np.array(found, dtype=np.float64)[which]
 
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts, [n]; nan where there are none, or too many."""
