@@ -168,15 +168,16 @@ def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
     grips = tendons.gripped(tendon).tolist()
     if not grips:
         return []
-    path = tendons.guides(tendon)
-    held = tendons.grips[grips].tolist()
-    between = [CableSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
-               for k, (a, b) in enumerate(itertools.pairwise(held))]
+    path, held = tendons.guides(tendon), tendons.grips[grips].tolist()
+    marks = list(zip(held, grips, strict=True))
+    if not tendons.closed[tendon]:
+        marks = [(path.start, -1), *marks, (path.stop - 1, -1)]
+    spans = [CableSpan(tendon, tuple(range(a, b + 1)), into, out_of)
+             for (a, into), (b, out_of) in itertools.pairwise(marks)]
     if tendons.closed[tendon]:
         on = (*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1))
-        return [*between, CableSpan(tendon, on, grips[-1], grips[0])]
-    return [CableSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
-            CableSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
+        spans.append(CableSpan(tendon, on, grips[-1], grips[0]))
+    return spans
 
 
 def lifted_at_start(model: Model) -> Flags:
