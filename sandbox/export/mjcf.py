@@ -15,7 +15,6 @@ import itertools
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -85,7 +84,6 @@ class Draft:
         self.sections = {name: add(self.root, name) for name in SECTIONS}
         # sites and pulleys, until the bodies are written
         self.on_body = {body: ET.Element("body") for body in (NONE, *range(len(model.bodies.name)))}
-        self.coils: dict[int, list[int]] = defaultdict(list)  # rotary springs of a hinge
         self.brakes: dict[int, float] = {}  # torque of a hinge's brake [N m]
         self.driven: set[int] = set()  # hinges with a torque
         self.controls: list[float] = []  # value of every actuator at the end of the run
@@ -379,7 +377,8 @@ def add_links(draft: Draft) -> None:
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
     """Stiffness, rest angle, damping and friction of a pin with its springs and brake."""
-    springs, own, law = draft.model.springs, draft.coils[joint], dict[str, float]()
+    springs, law = draft.model.springs, dict[str, float]()
+    own = springs.joint == joint
     if stiffness := float(springs.stiffness[own].sum()):
         law["stiffness"] = stiffness
         law["springref"] = float(springs.stiffness[own] @ springs.rest[own]) / stiffness
@@ -410,12 +409,10 @@ WHEEL = "0.45 0.6 0.75 0.4"
 
 
 def add_springs(draft: Draft) -> None:
-    """Add all springs; those of hinges are kept until their hinge is written."""
+    """Add all straight springs; others are in the law of their hinge."""
     springs = draft.model.springs
-    for spring, name in enumerate(springs.name):
-        if not springs.straight[spring]:
-            draft.coils[int(springs.joint[spring])].append(spring)
-            continue
+    for spring in np.flatnonzero(springs.straight).tolist():
+        name = springs.name[spring]
         ends = zip(springs.bodies[spring].tolist(), springs.anchor[spring].tolist(), strict=True)
         law, rest = springs.law[spring], springs.rest[spring]
         free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
