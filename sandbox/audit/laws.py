@@ -256,9 +256,9 @@ def _add_laws(evidence: Evidence, worst: Worst, spans: list[CableSpan], tension:
         inside = np.where(last >= 0, even[:, last] + came - came[:, last], inside)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
     apart = float(np.diff(evidence.run.time[:2]).sum()) or h
-    each = evidence.rates_twice(loads.piece_efforts, len(tendons.stretch_first))
+    each = [loads.cable_efforts.power(v) for v in (evidence.velocity, evidence.velocity_after)]
     for n, span in enumerate(spans[:count]):
-        pieces = np.isin(tendons.stretch_first, span.guides[:-1])
+        pieces = np.tile(np.isin(tendons.stretch_first, span.guides[:-1]), 2)  # both ends of each
         now, after = (rates[pieces].sum(axis=0) for rates in each)
         most, step = whole(tension[n]), slid[n] * h / apart
         held = inside[n] - step - wound[n]

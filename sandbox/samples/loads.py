@@ -122,8 +122,8 @@ class Loads:
         model, a = self.model, self.run.arrays
         joints, springs = model.joints, model.springs
         if model.tendons.name:
-            loads = self.piece_efforts.times(-piece_tensions(model, a))
-            yield loads._replace(element=self.cable_efforts.element)
+            pulls = -np.tile(piece_tensions(model, a), (2, 1))[:, None]
+            yield self.cable_efforts._replace(wrench=self.cable_efforts.wrench * pulls)
         if model.lines.name:
             yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
@@ -270,12 +270,6 @@ class Loads:
     def cable_efforts(self) -> Batch:
         """Those of :func:`cable_efforts`."""
         return cable_efforts(self.frames)
-
-    @property
-    def piece_efforts(self) -> Batch:
-        """The same with the number of the straight piece as element."""
-        count = len(self.model.tendons.stretch_first)
-        return self.cable_efforts._replace(element=np.tile(np.arange(count), 2))
 
     @cached_property
     def given(self) -> Array:
