@@ -22,7 +22,6 @@ from sandbox.elements.tendons import RIGID
 from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE
-from sandbox.model.pairs import static_friction_of
 from sandbox.model.supports import RANK, about_centres, components, joint_rows
 from sandbox.numeric import Array
 
@@ -138,7 +137,9 @@ class Unknowns:
 
     def _contacts(self) -> Iterator[Unknown]:
         a = self.arrays
-        for row, normal in enumerate(self.evidence.run.contacts.normal.tolist()):
+        contacts = self.evidence.run.contacts
+        for row, (normal, mu) in enumerate(zip(
+                contacts.normal.tolist(), contacts.laws[1].tolist(), strict=True)):
             pair = int(a["contact_body"][row]), int(a["contact_other"][row])
             u = a["contact_normal"][row]
             left = np.array([-u[1], u[0]])
@@ -150,7 +151,6 @@ class Unknowns:
                                   normal=n, tangential=t)
                 yield Unknown(self._pair(*pair, at, 0 * u, 1.0), free=True, contact=row)
                 continue
-            mu = static_friction_of(self.model.mechanism, *pair)
             for at in places:
                 for t in (mu, -mu) if mu else (0.0,):
                     yield Unknown(self._pair(*pair, at, u + t * left), contact=row, normal=1.0,
@@ -202,16 +202,14 @@ def contact_bounds(evidence: Evidence, sample: int = -1, near: float | None = No
 
 def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
     """Free bodies with contacts that forces connect, and all unknown forces on them."""
-    free, on = unknowns.model.bodies.free, [
-        np.flatnonzero(one.wrench.any(axis=1)).tolist() for one in unknowns.all]
+    free = unknowns.model.bodies.free
+    on = [np.flatnonzero(one.wrench.any(axis=1)).tolist() for one in unknowns.all]
     group = components(len(free), [(first, body) for first, *others in on for body in others])
-    found: dict[int, tuple[list[int], list[Unknown]]] = {}
-    for one, bodies in zip(unknowns.all, on, strict=True):
-        found.setdefault(group[bodies[0]], ([], []))[1].append(one)
-    for body in np.flatnonzero(free).tolist():
-        if group[body] in found:
-            found[group[body]][0].append(body)
-    return [each for each in found.values() if any(one.contact >= 0 for one in each[1])]
+    of = [group[bodies[0]] for bodies in on]
+    return [([body for body in np.flatnonzero(free).tolist() if group[body] == number],
+             [one for one, own in zip(unknowns.all, of, strict=True) if own == number])
+            for number in sorted({own for one, own in zip(unknowns.all, of, strict=True)
+                                  if one.contact >= 0})]
 
 
 class Balance:

@@ -23,7 +23,7 @@ import numpy as np
 from sandbox.audit.evidence import EXACT, REBOUND, ROUNDING, STILL, Check, Evidence, Worst, peak
 from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
-from sandbox.model.pairs import friction_of, pair_skins, restitution_of, static_friction_of
+from sandbox.model.pairs import pair_skins
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
@@ -70,25 +70,15 @@ class _Rows:
         self.along = np.stack([-self.out[:, 1], self.out[:, 0]], axis=1)
         self.names, loads = evidence.model.bodies.name, evidence.loads
         self.pair = self.sides[0] * len(self.names) + self.sides[1]
-        self.friction, self.static, self.restitution = laws = np.zeros((3, len(self.pair)))
-        for _, pair, own in evidence.pairs():
-            laws[:, own] = [[of(evidence.model.mechanism, *pair)] for of in (
-                friction_of, static_friction_of, restitution_of)]
-        self.inverse = np.divide(1, loads.weights, out=np.zeros_like(loads.weights),
-                                 where=loads.weights > 0)
+        self.friction, self.static, self.restitution = evidence.run.contacts.laws
+        self.inverse = loads.inverse
         self.change = self.h * loads.frames.acceleration
         self.before, self.after = evidence.velocity - self.change / 2, evidence.velocity_after
         # accelerations of free bodies by all forces but contacts and joints
-        total, sides = loads.totals.copy(), loads.contact_sides
-        for axis, push in zip(total, sides.wrench.T, strict=True):
-            np.subtract.at(axis, (sides.body, sides.sample), push)
-        self.others = self.inverse.T[:, :, None] * total
+        self.others = self.inverse.T[:, :, None] * loads.others
         # by those that an impact may change within its step
-        self.answers = np.zeros_like(total)
-        for batch in loads.batches:
-            if batch.kind not in STEADY:
-                np.add.at(self.answers.swapaxes(0, 1), batch.body, batch.wrench)
-        self.answers *= self.inverse.T[:, :, None]
+        self.answers = self.inverse.T[:, :, None] * loads.sum_of(
+            batch for batch in loads.batches if batch.kind not in STEADY)
         self.hit, instant = self._impacts(a)
         self.instant = np.nan_to_num(instant)
         self.arms = self._arms(a)

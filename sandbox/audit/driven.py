@@ -48,10 +48,8 @@ def _growth(evidence: Evidence, velocity: Array) -> Array:
 
 def _grown(evidence: Evidence) -> tuple[Array, Array]:
     """Growth of lines since t = 0, from the poses [m^3], [nl, n], and sums of areas, [nl]."""
-    lines, turns = evidence.model.lines, (evidence.model.lines.joint != NONE)[:, None]
-    place = evidence.loads.distances(lines.bodies, np.nan_to_num(lines.anchor))
-    if turns.any():
-        place = np.where(turns, evidence.angles[lines.joint], place)
+    lines = evidence.model.lines
+    place = evidence.places(lines.bodies, lines.anchor, lines.joint)
     found = np.zeros((len(lines.name), place.shape[1]))
     np.add.at(found, lines.of, lines.gain[:, None] * (place - lines.start[:, None]))
     return found, np.bincount(lines.of, np.abs(lines.gain), len(lines.name)).astype(float)

@@ -176,13 +176,12 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
     stops = np.nan_to_num(run.means("joint_stop")["joint_stop"])
     touched = len(run.mean_contacts.sample) or len(a["impact_time"]) or stops.any() or (
         _stretched(evidence))
-    if touched:
-        evidence.require_every_step("contacts, stops and ropes do work in every step, and ")
     if not touched:
         worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "
                 "springs, dampers and weight, relative to all energy converted; the error of the "
                 "step is allowed as in energy.created")
+    evidence.require_every_step("contacts, stops and ropes do work in every step, and ")
     if not evidence.vectors:
         raise NotComputed(OLDER)
     # contacts do a part of the work of running surfaces, the rest is heat
@@ -254,9 +253,8 @@ def _of_gaps(evidence: Evidence) -> float:
 def _of_the_step(evidence: Evidence) -> float:
     """Work of joints, contacts and taut ropes by the error of the step [J], without outliers."""
     a, time = evidence.arrays, evidence.run.time
-    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
-    power = power.reshape(2, -1, len(time)).sum(axis=0)
-    ropes = evidence.model.joints.keeping("range")
+    joints, ropes = evidence.model.joints.name, evidence.model.joints.keeping("range")
+    power = np.nan_to_num(evidence.loads.joints.rates(len(joints), evidence.velocity))
     power[ropes] = np.maximum(power[ropes], 0.0)
     power = np.abs(power)
     if len(time) > 1:

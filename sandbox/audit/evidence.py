@@ -11,9 +11,9 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from sandbox.model.joints import place_in_slot
-from sandbox.model.model import held_of
-from sandbox.model.pairs import pair_skins, restitution_of
-from sandbox.numeric import Array, Flags
+from sandbox.model.model import NONE, held_of
+from sandbox.model.pairs import pair_skins
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.samples import Samples
 from sandbox.scene.geometry import count_solids
@@ -223,9 +223,8 @@ class Evidence:
     def struck(self) -> Flags:
         """Samples in which contacts may have rebounded, which displaces the pose, [n] of bool."""
         result = np.zeros(len(self.run), dtype=bool)
-        for _, pair, own in self.pairs():
-            if restitution_of(self.model.mechanism, *pair) > 0:
-                result[self.arrays["contact_sample"][own]] = True
+        bounces = self.run.contacts.laws[2] > 0
+        result[self.arrays["contact_sample"][bounces]] = True
         change = np.abs(self.frames.acceleration).max(axis=(0, 1), initial=0.0)
         return np.asarray(result & (self.h * change > REBOUND))
 
@@ -249,6 +248,12 @@ class Evidence:
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
         return np.where(self.loads.actuators[:, None], self.frames.gaps, angles)
+
+    def places(self, bodies: Integers, anchor: Array, joint: Integers) -> Array:
+        """Distances of points of bodies [m], or angles of hinges ``joint`` [rad], [k, n]."""
+        one, two = (self.frames.places(bodies[:, k], np.nan_to_num(anchor[:, k])) for k in (0, 1))
+        return np.where(joint[:, None] == NONE, np.hypot(two.x - one.x, two.y - one.y),
+                        np.pad(self.angles, ((0, 1), (0, 0)))[joint])
 
     def rates_of(self, velocity: Array) -> Array:
         """Rates of hinges and actuators, nan of other joints, [nj, n]."""
@@ -277,13 +282,10 @@ class Evidence:
     @cached_property
     def joints_hold(self) -> Flags:
         """Which joints hold and had time to close since they were engaged, [nj, n]."""
-        holds = self.holds["joint"].copy()
-        for j in np.flatnonzero(~holds.all(axis=1)).tolist():
-            over = CLOSES_IN * float(self.model.bonds.over[self.model.bonds.joint[j]])
-            for last in np.flatnonzero(~holds[j]).tolist():
-                away = self.run.time - self.run.time[last]
-                holds[j] &= (away < 0) | (away > over + self.h)
-        return holds
+        bonds, time = self.model.bonds, self.run.time
+        over = CLOSES_IN * np.append(bonds.over, 0.0)[bonds.joint, None]
+        last = np.maximum.accumulate(np.where(self.holds["joint"], -np.inf, time), axis=1)
+        return np.asarray(time - last > over + self.h)
 
     @cached_property
     def one_normal(self) -> Flags:
@@ -306,9 +308,8 @@ class Evidence:
         if scale := self.run.info.contact_solver.get("stiffness", 0.0):
             response, (x, y) = np.zeros(len(one)), a["contact_normal"].T
             for body, arm in zip((one, two), self.contact_arms, strict=True):
-                mass, inertia = a["body_mass"][body], a["body_inertia"][body]
-                response += np.where(self.model.bodies.free[body], 1 / mass + (
-                    arm[:, 0] * y - arm[:, 1] * x)**2 / inertia, 0.0)
+                push, _, turn = self.loads.inverse[body].T
+                response += push + turn * (arm[:, 0] * y - arm[:, 1] * x)**2
             stiffness = np.where(stiffness == 0, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal), where=stiffness > 0)
@@ -334,13 +335,8 @@ class Evidence:
     def answer(self, efforts: Batch, element: int) -> Array:
         """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""
         own = efforts.element == element
-        mass, _, inertia = self.loads.weights[efforts.body[own]].T[..., None]
-        free = mass > 0
-        wrench = efforts.wrench[own]
-        push, turn = (np.divide(size, weight, out=np.zeros_like(size), where=free)
-                      for size, weight in ((wrench[:, 0]**2 + wrench[:, 1]**2, mass),
-                                           (wrench[:, 2]**2, inertia)))
-        return np.asarray((push + turn).sum(axis=0))
+        inverse = self.loads.inverse[efforts.body[own], :, None]
+        return np.asarray((inverse * efforts.wrench[own]**2).sum(axis=(0, 1)))
 
     @cached_property
     def last(self) -> Evidence:

@@ -116,10 +116,10 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
        none="there is no straight spring")
 def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
     springs = evidence.model.springs
+    places = evidence.places(springs.bodies, springs.anchor, springs.joint)
     for i in np.flatnonzero(springs.straight).tolist():
         found, allowed = _across(evidence, springs.bodies[i], springs.anchor[i]), ROUNDING
-        length = found[0] if found else evidence.loads.distances(
-            springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
+        length = found[0] if found else places[i]
         worst.add(springs.name[i], np.abs(length - evidence.arrays["spring_length"][:, i]),
                   allowed + evidence.joint_slack[found[1]] if found else allowed)
 
@@ -200,18 +200,15 @@ def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> t
         float, Array, Array]:
     """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     frames, tendons, cables = evidence.frames, evidence.model.tendons, evidence.frames.cables
-    last = int(tendons.first[tendon + 1]) - 1
-    near, far = (complex(*evidence.model.at_start(
-        int(tendons.guide_body[guide]), tendons.guide_at[guide])) for guide in (last, last - 1))
-    radius = float(tendons.guide_radius[last])
-    arm = ((near - place) * pull.conjugate()).imag + radius
-    row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
-    straight, offset = cables.length[row], float(tendons.guide_radius[last - 1]) - radius
+    first, row = frames.first.cables, int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
+    far, near = (complex(at.x[row, 0], at.y[row, 0]) for at in (first.start, first.end))
+    arm = ((near - place) * pull.conjugate()).imag + float(
+        tendons.guide_radius[tendons.first[tendon + 1] - 1])
+    straight = cables.length[row]
     before = frames.lengths[tendon] - straight - wound_up(frames, tendon, last=True)
     moved = ((cables.start.x[row] + 1j * cables.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
-    displacement = (moved + evidence.arrays["tendon_length"][:, tendon] - before
-                    - np.sqrt(abs(near - far)**2 - offset**2))
+    displacement = moved + evidence.arrays["tendon_length"][:, tendon] - before - first.length[row]
     slant = 1 - np.abs(((cables.x[row] + 1j * cables.y[row]) * pull.conjugate()).real)
     return arm, displacement, straight * slant
 

@@ -57,11 +57,9 @@ def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) 
 
 def _as_built(evidence: Evidence, kind: str) -> Flags:
     """Where elements hold with the scene's rest length, not one of a later engagement, [.., n]."""
-    bonds, holds = evidence.model.bonds, evidence.holds[kind].copy()
-    for i, bond in enumerate(bonds.of(kind).tolist()):
-        if bond >= 0 and bonds.as_is[bond]:
-            holds[i] = np.logical_and.accumulate(holds[i])
-    return holds
+    bonds, holds = evidence.model.bonds, evidence.holds[kind]
+    as_is = np.append(bonds.as_is, False)[bonds.of(kind), None]
+    return np.where(as_is, np.logical_and.accumulate(holds, axis=1), holds)
 
 
 def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
@@ -70,11 +68,10 @@ def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> Non
     which = np.flatnonzero(springs.straight == straight)
     rates = evidence.rates_twice(loads.spring_efforts, len(springs.name)) if len(which) else []
     holds = _as_built(evidence, "spring")
+    places = evidence.places(springs.bodies, springs.anchor, springs.joint)
     for i in which.tolist():
         recorded, c, joint = a["spring_force"][:, i], float(springs.damping[i]), springs.joint[i]
         among = holds[i] if straight else holds[i] & evidence.joints_hold[joint]
-        place = (loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
-                 if straight else evidence.angles[joint])
         k = (a["drive_value"][:, springs.drive[i]] if springs.drive[i] != NONE
              else float(springs.stiffness[i]))
         own, force = springs.law[i], recorded
@@ -86,7 +83,7 @@ def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> Non
             return np.asarray(k * s + c * v if own is None else own.force(s, v, k))
 
         follow(worst, springs.name[i], force, law, states_of(
-            evidence.h, place - springs.rest[i], [v[i] for v in rates], turning=not straight),
+            evidence.h, places[i] - springs.rest[i], [v[i] for v in rates], turning=not straight),
             among, size=whole(recorded), throughout=own is None)
 
 
@@ -259,9 +256,9 @@ def _add_laws(evidence: Evidence, worst: Worst, spans: list[CableSpan], tension:
         inside = np.where(last >= 0, even[:, last] + came - came[:, last], inside)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
     apart = float(np.diff(evidence.run.time[:2]).sum()) or h
-    each = evidence.rates_twice(loads.piece_efforts, len(tendons.stretch_first))
+    each = [loads.cable_efforts.power(v) for v in (evidence.velocity, evidence.velocity_after)]
     for n, span in enumerate(spans[:count]):
-        pieces = np.isin(tendons.stretch_first, span.guides[:-1])
+        pieces = np.tile(np.isin(tendons.stretch_first, span.guides[:-1]), 2)  # both ends of each
         now, after = (rates[pieces].sum(axis=0) for rates in each)
         most, step = whole(tension[n]), slid[n] * h / apart
         held = inside[n] - step - wound[n]

@@ -16,7 +16,7 @@ import numpy as np
 from sandbox.audit.evidence import DIGITS, LEFT, ROUNDING, Check, Evidence, Worst
 from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.joints import rotated
-from sandbox.model.pairs import allowed_pairs, restitution_of
+from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples import nearby
 from sandbox.samples.contacts import TOUCH
@@ -122,7 +122,7 @@ def _places(evidence: Evidence, worst: Worst) -> None:
         off, turned, circle = zip(*sides, strict=True)
         # the point of an impact, or of a meeting ahead, is that at its instant within the step
         gap, twist = a["contact_gap"][own], np.nan_to_num(a["contact_twist"][own])
-        later = (restitution_of(evidence.model.mechanism, *two) > 0) | (gap > AHEAD) | (twist != 0)
+        later = (evidence.run.contacts.laws[2, own] > 0) | (gap > AHEAD) | (twist != 0)
         moving = moving + later * np.abs(gap)
         allowed = np.where((circle[0] | circle[1]) & ~later, rounding, moving)
         worst.add(label, np.maximum(*off), allowed)

@@ -10,7 +10,7 @@ from sandbox.audit.evidence import Check, Evidence, NotComputed, Worst, peak
 from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
-from sandbox.model.pairs import friction_of
+from sandbox.model.supports import components
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.settings import Group
@@ -68,15 +68,12 @@ def _about(final: Evidence, joint: int, beyond: set[int]) -> _About:
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
     """Free bodies that only this joint connects to the other bodies; empty in a loop."""
-    pair = model.joints.bodies[joint].tolist()
-    for start in pair[::-1]:
-        found, waiting = {start}, [start]
-        while waiting:
-            more = {other for j, other in model.neighbours[waiting.pop()] if j != joint} - found
-            found |= more
-            waiting += more
-        if model.bodies.free[list(found)].all() and not set(pair) <= found:
-            return found
+    pairs, free = model.joints.bodies, model.bodies.free
+    group = np.array(components(len(free), np.delete(pairs, joint, axis=0)))
+    one, two = group[pairs[joint]]
+    for own in (group == two, group == one) if one != two else ():
+        if free[own].all():
+            return set(np.flatnonzero(own).tolist())
     return set()
 
 
@@ -127,8 +124,7 @@ def grip_of(final: Evidence, group: Group, least: float = TOUCH) -> Grip | None:
     tangents, points = np.column_stack([-normals[:, 1], normals[:, 0]]), a["contact_point"][rows]
     phalanx = np.array([members.index(b) for b in own.tolist()], dtype=np.int64)
     at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
-    rough = np.array([friction_of(model.mechanism, *both) > 0 for both in pair[:, rows].T.tolist()],
-                     dtype=bool)
+    rough = loads.run.contacts.laws[0, rows] > 0
     return Grip(hinges, point_jacobian(points, normals, at, phalanx),
                 point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
 

@@ -32,7 +32,8 @@ from sandbox.model import supports
 from sandbox.model.model import NONE, Model
 from sandbox.model.programs import STRETCH
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cables import lengths_at_start, pulls_at_start, rest_lengths
+from sandbox.samples.cables import lengths_at_start, rest_lengths
+from sandbox.samples.loads import pulls_at_start
 from sandbox.samples.stiffness import null_space
 
 COARSE = 0.5  # h w at which the frequency is 1 % off: (0.5)^2 / 24
@@ -208,7 +209,7 @@ def _modes(model: Model, bodies: Integers, own: list[_Element], rigid: Flags) ->
     stiffness = np.array([each.stiffness for each in own])
     damping = np.array([each.damping for each in own])
     weight = _weight(model, bodies)
-    joints = sorted({joint for body in bodies.tolist() for joint, _ in model.neighbours[body]})
+    joints = np.flatnonzero(np.isin(model.joints.bodies, bodies).any(axis=1)).tolist()
     rows = np.array([each.wrench[bodies].ravel() for each in own]) / weight
     rows = rows @ _motions(model, bodies, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)

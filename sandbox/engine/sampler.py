@@ -213,7 +213,7 @@ class Sampler:
         count = list_contacts(state.touches, len(kept), state.body, kept, 0)
         rows = self._contact_rows(np.zeros(count, dtype=np.int64), kept[:count])
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
-                        samples=1, bodies=len(self.world.bodies))
+                        self.model.mechanism, 1)
 
     def _contact_rows(self, sample: Integers, kept: Records) -> dict[str, NDArray[Any]]:
         order = self.world.order

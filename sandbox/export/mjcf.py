@@ -15,7 +15,6 @@ import itertools
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -30,7 +29,8 @@ from sandbox.export.selection import Export, arc_of, contact_pairs, leave_out, w
 from sandbox.export.tree import Link, freedoms, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Model
-from sandbox.samples.cables import Stretches, pulls_at_start, rest_lengths, stretches_at_start
+from sandbox.samples.cables import Frames, Stretches, rest_lengths
+from sandbox.samples.loads import pulls_at_start
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, corners, reach_of, solids
 from sandbox.scene.mechanism import Mechanism
@@ -84,7 +84,6 @@ class Draft:
         self.sections = {name: add(self.root, name) for name in SECTIONS}
         # sites and pulleys, until the bodies are written
         self.on_body = {body: ET.Element("body") for body in (NONE, *range(len(model.bodies.name)))}
-        self.coils: dict[int, list[int]] = defaultdict(list)  # rotary springs of a hinge
         self.brakes: dict[int, float] = {}  # torque of a hinge's brake [N m]
         self.driven: set[int] = set()  # hinges with a torque
         self.controls: list[float] = []  # value of every actuator at the end of the run
@@ -378,14 +377,12 @@ def add_links(draft: Draft) -> None:
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
     """Stiffness, rest angle, damping and friction of a pin with its springs and brake."""
-    springs = draft.model.springs
-    laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
-            for i in draft.coils[joint]]
-    law: dict[str, float] = {}
-    if stiffness := sum(k for k, _, _ in laws):
+    springs, law = draft.model.springs, dict[str, float]()
+    own = springs.joint == joint
+    if stiffness := float(springs.stiffness[own].sum()):
         law["stiffness"] = stiffness
-        law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
-    if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
+        law["springref"] = float(springs.stiffness[own] @ springs.rest[own]) / stiffness
+    if damping := float(draft.model.hinge_damping[joint]):
         law["damping"] = damping
     if loss := float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0):
         law["frictionloss"] = loss
@@ -412,12 +409,10 @@ WHEEL = "0.45 0.6 0.75 0.4"
 
 
 def add_springs(draft: Draft) -> None:
-    """Add all springs; those of hinges are kept until their hinge is written."""
+    """Add all straight springs; others are in the law of their hinge."""
     springs = draft.model.springs
-    for spring, name in enumerate(springs.name):
-        if not springs.straight[spring]:
-            draft.coils[int(springs.joint[spring])].append(spring)
-            continue
+    for spring in np.flatnonzero(springs.straight).tolist():
+        name = springs.name[spring]
         ends = zip(springs.bodies[spring].tolist(), springs.anchor[spring].tolist(), strict=True)
         law, rest = springs.law[spring], springs.rest[spring]
         free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
@@ -433,7 +428,7 @@ def add_tendons(draft: Draft) -> float:
     """Add all tendons; return the largest time step for the elastic ones [s]."""
     tendons, step, stiff = draft.model.tendons, math.inf, []
     rests, pulls = rest_lengths(draft.model).tolist(), pulls_at_start(draft.model)
-    start = stretches_at_start(draft.model)
+    start = Frames.at_start(draft.model).cables
     for tendon, name in enumerate(tendons.name):
         law: dict[str, float | tuple[float, float]] = {}
         if tendons.drive[tendon] == NONE:

@@ -14,7 +14,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.numeric import Array
-from sandbox.samples.cables import Stretches, lifted_at_start, stretches_at_start, wraps_at_start
+from sandbox.samples.cables import Frames, Stretches, lifted_at_start, wraps_at_start
 from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
@@ -141,7 +141,7 @@ def _wheel(model: Model, tendon: int) -> str:
     if any(model.tendons.guide_radius[wheel - 1] or model.tendons.guide_radius[wheel + 1]
            for wheel in wheels):
         return "a tendon from wheel to wheel without a via point between them"
-    start = stretches_at_start(model)
+    start = Frames.at_start(model).cables
     for wheel in wheels:
         if arc_of(model, start, wheel)[1]:
             body = model.bodies.name[model.tendons.guide_body[wheel]]

@@ -331,15 +331,6 @@ class Model:
         return one, other
 
     @cached_property
-    def neighbours(self) -> tuple[tuple[tuple[int, int], ...], ...]:
-        """Of every body: its joints, each with the body at its other end."""
-        found: list[list[tuple[int, int]]] = [[] for _ in self.bodies.name]
-        for joint, (a, b) in enumerate(self.joints.bodies.tolist()):
-            found[a].append((joint, b))
-            found[b].append((joint, a))
-        return tuple(tuple(each) for each in found)
-
-    @cached_property
     def hinge_damping(self) -> Array:
         """Of all dampers about a joint, its own and rotary springs' [N m s/rad], [nj]."""
         damping, rotary = self.joints.damping.copy(), np.flatnonzero(~self.springs.straight)

@@ -113,13 +113,8 @@ class Rows:
     def finished(self, count: int, copies: Room | None = None) -> Arrays:
         """The first rows; with ``copies`` copied into that room, in memory or in files as here."""
         found = {key: column[:count] for key, column in self._columns.items()}
-        if copies is None:
-            return found
-        for key, rows in found.items():
-            copies.left = 0 if isinstance(rows, np.memmap) else rows.nbytes
-            found[key] = copies.array(rows.shape, rows.dtype)
-            found[key][...] = rows
-        return found
+        return found if copies is None else {
+            key: copies.array(rows.shape, rows.dtype, rows) for key, rows in found.items()}
 
 
 class RecordingBuilder:
@@ -164,7 +159,7 @@ class RecordingBuilder:
 
     def finish(self, time: Array, info: Outcome, *, copied: bool = False) -> Recording:
         """The recording at these first instants [s]; it shares this memory unless ``copied``."""
-        copies, n = Room(0) if copied else None, len(time)
+        copies, n = Room(math.inf) if copied else None, len(time)
         arrays = {TIME: np.array(time), **self.statics, **self.samples.finished(n, copies),
                   **self.impacts.finished(self.impacts.count, copies)}
         for rows in (self.contacts, *((self.means, self.mean_contacts) if self.apart else ())):

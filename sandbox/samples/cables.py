@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.elements.element import GRAZE
 from sandbox.model.joints import Place, place_in_slot
@@ -52,6 +51,15 @@ class Frames:
         """Poses of the centres of mass, [3, nb, n] m, m, rad."""
         self.off_wheels: Flags = arrays["guide_lifted"] > 0  # Tendons off their wheels, [n, nw]
 
+    @classmethod
+    def at_start(cls, model: Model) -> Frames:
+        """The poses at t = 0 as the scene gives them, a single sample at rest."""
+        rest = np.zeros((1, len(model.bodies.name), 3))
+        return cls(model, {
+            "body_pose": model.bodies.pose[None], "body_velocity": rest, "body_acceleration": rest,
+            "body_centre": model.bodies.centre,
+            "guide_lifted": lifted_at_start(model)[None, model.tendons.wheels].astype(np.float64)})
+
     def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
         on = np.asarray(bodies, dtype=np.int64)
@@ -74,17 +82,36 @@ class Frames:
         return place_in_slot(self.model, joint, a["body_pose"], a["joint_length"][:, joint])
 
     @cached_property
-    def cables(self) -> Stretches:
-        """The straight pieces of all tendons."""
-        tendons = self.model.tendons
-        start, end = (self.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
-                      for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-        return _stretches(start, end, tendons, self.off_wheels)
+    def guides(self) -> Places:
+        """The centres of all guides of tendons, [ng, n]."""
+        return self.places(self.model.tendons.guide_body, self.model.tendons.guide_at)
 
     @cached_property
-    def first(self) -> Stretches:
-        """The same at t = 0, [m, 1]."""
-        return stretches_at_start(self.model)
+    def ends(self) -> tuple[Integers, Integers]:
+        """The guides that each piece of a tendon is straight between, past wheels, [m, n] each."""
+        tendons = self.model.tendons
+        on = np.ones((len(tendons.guide_body), self.samples), dtype=bool)
+        on[tendons.wheels] = ~self.off_wheels.T
+        number = np.arange(len(on))[:, None]
+        before = np.maximum.accumulate(np.where(on, number, 0), axis=0)
+        after = np.minimum.accumulate(np.where(on, number, len(on))[::-1], axis=0)[::-1]
+        return before[tendons.stretch_first], after[tendons.stretch_first + 1]
+
+    @cached_property
+    def cables(self) -> Stretches:
+        """The straight pieces of all tendons."""
+        (before, after), radius = self.ends, self.model.tendons.guide_radius
+        dx, dy = (at[after, np.arange(self.samples)] - at[before, np.arange(self.samples)]
+                  for at in self.guides[:2])
+        length, x, y = _tangent(dx, dy, radius[before] - radius[after])
+        first = self.model.tendons.stretch_first
+        start, end = (Places(*(part[k] for part in self.guides)) for k in (first, first + 1))
+        return Stretches(length / (after - before), x, y, start, end)
+
+    @cached_property
+    def first(self) -> Frames:
+        """The poses at t = 0."""
+        return Frames.at_start(self.model)
 
     @cached_property
     def lengths(self) -> Array:
@@ -95,7 +122,7 @@ class Frames:
         for tendon in range(len(tendons.name)):
             if not tendons.guide_radius[tendons.guides(tendon)].any():
                 continue
-            course, on_wheels = _course(self, tendon), np.zeros(self.samples)
+            course, on_wheels = _Course(self, tendon), np.zeros(self.samples)
             for place in np.flatnonzero(course.radii).tolist():
                 if place or not course.closed:  # else it comes last again
                     on_wheels += course.on_wheel(place)[1:]
@@ -112,40 +139,11 @@ class Frames:
 class Stretches(NamedTuple):
     """Straight pieces of all tendons, [m, n], in the order of the model's ``tendons``."""
 
-    length: Array  # [m]
+    length: Array  # [m]; past wheels the way is shared out evenly
     x: Array  # Unit vector along it
     y: Array
     start: Places  # The guides' centres where the stretches begin and end
     end: Places
-
-
-def _stretches(start: Places, end: Places, tendons: Tendons, off: Flags) -> Stretches:
-    """The pieces of tendons, straight past wheels that they are ``off`` [n, nw]."""
-    dx, dy = end.x - start.x, end.y - start.y
-    radius, first = tendons.guide_radius, tendons.stretch_first
-    if not radius.any():
-        length = np.sqrt(dx * dx + dy * dy)
-        safe = np.where(length > 0, length, 1.0)
-        return Stretches(length, dx / safe, dy / safe, start, end)
-    cables = Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
-    for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
-        loose = tendons.loose(tendon)
-        own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
-        for pattern in np.unique(off[:, loose], axis=0):
-            if not pattern.any():
-                continue
-            when = np.flatnonzero((off[:, loose] == pattern).all(axis=1))
-            on = np.setdiff1d(np.arange(len(own) + 1), tendons.wheels[loose[pattern]] - begin)
-            for i, j in itertools.pairwise(on.tolist()):
-                if j == i + 1:
-                    continue
-                first, last, rows = own[i], own[j - 1], np.ix_(own[i:j], when)
-                length, cables.x[rows], cables.y[rows] = _tangent(
-                    cables.end.x[last, when] - cables.start.x[first, when],
-                    cables.end.y[last, when] - cables.start.y[first, when],
-                    float(radius[begin + i] - radius[begin + j]))
-                cables.length[rows] = length / (j - i)
-    return cables
 
 
 def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array, Array]:
@@ -154,34 +152,6 @@ def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array,
     length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
     square = length * length + offset * offset
     return length, (length * dx + offset * dy) / square, (length * dy - offset * dx) / square
-
-
-def pulls_at_start(model: Model) -> Array:
-    """Wrenches about the centres of mass of 1 N in every tendon at t = 0, [nt, nb, 3]."""
-    tendons, first = model.tendons, stretches_at_start(model)
-    pulls = np.zeros((len(tendons.name), len(model.bodies.name), 3))
-    for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
-        u = np.array([first.x[row, 0], first.y[row, 0]])
-        one = int(tendons.stretch_first[row])
-        for node, sign in ((one, 1.0), (one + 1, -1.0)):
-            body = int(tendons.guide_body[node])
-            arm = np.subtract(model.at_start(body, tendons.guide_at[node]),
-                              model.at_start(body, model.bodies.centre[body]))
-            moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
-            pulls[tendon, body] += sign * np.array([*u, moment])
-    return pulls
-
-
-def stretches_at_start(model: Model) -> Stretches:
-    """The stretches at t = 0, [m, 1]."""
-    tendons = model.tendons
-    at = np.array([model.at_start(body, point) for body, point in zip(
-        tendons.guide_body, tendons.guide_at, strict=True)]).reshape(-1, 2)
-    nothing = np.zeros((len(tendons.stretch_first), 1))
-    ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
-            for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
-    off = lifted_at_start(model)[tendons.wheels]
-    return _stretches(ends[0], ends[1], tendons, off[None])
 
 
 class CableSpan(NamedTuple):
@@ -198,15 +168,16 @@ def spans_of(tendons: Tendons, tendon: int) -> list[CableSpan]:
     grips = tendons.gripped(tendon).tolist()
     if not grips:
         return []
-    path = tendons.guides(tendon)
-    held = tendons.grips[grips].tolist()
-    between = [CableSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
-               for k, (a, b) in enumerate(itertools.pairwise(held))]
+    path, held = tendons.guides(tendon), tendons.grips[grips].tolist()
+    marks = list(zip(held, grips, strict=True))
+    if not tendons.closed[tendon]:
+        marks = [(path.start, -1), *marks, (path.stop - 1, -1)]
+    spans = [CableSpan(tendon, tuple(range(a, b + 1)), into, out_of)
+             for (a, into), (b, out_of) in itertools.pairwise(marks)]
     if tendons.closed[tendon]:
         on = (*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1))
-        return [*between, CableSpan(tendon, on, grips[-1], grips[0])]
-    return [CableSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
-            CableSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
+        spans.append(CableSpan(tendon, on, grips[-1], grips[0]))
+    return spans
 
 
 def lifted_at_start(model: Model) -> Flags:
@@ -251,18 +222,17 @@ def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
 
 
 class _Course:
-    """One tendon at t = 0 (``first``), and in all samples with ``frames``."""
+    """One tendon at t = 0 and in all samples, [1 + n]."""
 
-    def __init__(
-        self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
-    ) -> None:
-        self.model, self.frames, tendons = model, frames, model.tendons
-        self.path, self.closed = tendons.guides(tendon), bool(tendons.closed[tendon])
-        self.radii = tendons.guide_radius[self.path].tolist()
-        self.own = np.flatnonzero(tendons.stretch_tendon == tendon)
-        both = [first] if frames is None else [first, frames.cables]
+    def __init__(self, frames: Frames, tendon: int) -> None:
+        self.frames, self.tendons = frames, frames.model.tendons
+        self.path = self.tendons.guides(tendon)
+        self.closed = bool(self.tendons.closed[tendon])
+        self.radii = self.tendons.guide_radius[self.path].tolist()
+        self.own = np.flatnonzero(self.tendons.stretch_tendon == tendon)
+        both = [each.cables for each in (frames.first, frames)]
         self.length = np.concatenate([each.length[self.own] for each in both], axis=1)
-        """Of its stretches [m], [stretches, 1 + n], from t = 0."""
+        """Of its stretches [m], [stretches, 1 + n]."""
         self.angle = np.concatenate(
             [np.arctan2(each.x[self.own], -each.y[self.own]) for each in both], axis=1)
         """Of their left normals [rad]."""
@@ -275,16 +245,15 @@ class _Course:
         """The angle by which the tendon lies on an inner wheel [rad], [1 + n]."""
         wrap = np.sign(self.radii[place]) * (
             self.angle[place - 1] - self.angle[place % len(self.angle)])
-        turns = int(self.model.tendons.guide_turns[self.path.start + place])
+        turns = int(self.tendons.guide_turns[self.path.start + place])
         wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE + 2 * np.pi * turns
         return np.unwrap(wrap)
 
     def wound(self, place: int, piece: int, sign: float) -> Array:
         """Length that a wheel at an end of some pieces has wound up since t = 0 [m], [1 + n]."""
-        frames, body = self.frames, int(self.model.tendons.guide_body[self.path.start + place])
-        angle = np.unwrap(self.angle[piece])
-        if frames is not None:
-            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.pose[2, body]])
+        frames, body = self.frames, int(self.tendons.guide_body[self.path.start + place])
+        angle = np.unwrap(self.angle[piece]) - np.append(
+            frames.first.pose[2, body], frames.pose[2, body])
         return np.asarray(sign * self.radii[place] * (angle - angle[0]))
 
     def on_wheel(self, place: int) -> Array:
@@ -293,17 +262,6 @@ class _Course:
             return np.asarray(abs(self.radii[place]) * self.wrap(place))
         return self.wound(place, -1 if place else 0, 1.0 if place else -1.0)
 
-    @property
-    def wraps(self) -> Array:
-        """Angle of wrap on each wheel at t = 0 [rad]; 0 on eyes and at the ends."""
-        count = len(self.own) if self.closed else len(self.own) + 1
-        return np.array([float(self.wrap(place)[0]) if radius and self.inner(place) else 0.0
-                         for place, radius in enumerate(self.radii[:count])])
-
-
-def _course(frames: Frames, tendon: int) -> _Course:
-    return _Course(frames.model, frames.first, tendon, frames)
-
 
 def _tendon_of(tendons: Tendons, guide: int) -> int:
     return int(np.searchsorted(tendons.first, guide, side="right")) - 1
@@ -311,15 +269,14 @@ def _tendon_of(tendons: Tendons, guide: int) -> int:
 
 def bends(frames: Frames, grip: int) -> Array:
     """By how much a tendon bends at a guide with friction [rad], [n]; below 0 off its wheel."""
-    tendons, cables = frames.model.tendons, frames.cables
+    tendons = frames.model.tendons
     guide = int(tendons.grips[grip])
-    course = _course(frames, _tendon_of(tendons, guide))
+    course = _Course(frames, _tendon_of(tendons, guide))
     place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
         return np.asarray(course.wrap(place)[1:])
-    one, two = (cables.x[row] + 1j * cables.y[row]
-                for row in (course.own[place - 1], course.own[place % len(course.own)]))
-    return np.asarray(np.abs(np.angle(one.conj() * two)))
+    turn = course.angle[place - 1, 1:] - course.angle[place % len(course.own), 1:]
+    return np.asarray(np.abs(np.arctan2(np.sin(turn), np.cos(turn))))
 
 
 def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
@@ -329,31 +286,24 @@ def lying(frames: Frames, wheel: int) -> tuple[Array, Array]:
     off; the clearance is negative where the wheel is in its way, nan where the tendon is on.
     A wheel that is beyond an end of the straight piece is not in its way.
     """
-    tendons, cables, off = frames.model.tendons, frames.cables, frames.off_wheels
+    tendons, cables = frames.model.tendons, frames.cables
     guide = int(tendons.wheels[wheel])
-    course = _course(frames, _tendon_of(tendons, guide))
-    place, own, way = guide - course.path.start, course.own, cables.x + 1j * cables.y
-
-    def edge(which: int) -> NDArray[np.complex128]:
-        """Where the straight piece begins or ends if the tendon lies on that guide, [n]."""
-        piece, at = (own[which], cables.start) if which < place else (own[which - 1], cables.end)
-        return np.asarray(at.x[piece] + 1j * at.y[piece] + 1j * course.radii[which] * way[piece])
-
-    ends = [edge(0), edge(len(own))]
-    for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
-        for which in places:
-            passed = off[:, tendons.wheels == course.path.start + which].any(axis=1)
-            ends[side] = np.where(passed, ends[side], edge(which))
-    centre = cables.start.x[own[place]] + 1j * cables.start.y[own[place]]
-    before, after = (way[own[place]].conj() * each for each in (centre - ends[0], ends[1] - centre))
-    clear = -np.sign(course.radii[place]) * before.imag - abs(course.radii[place])
+    course = _Course(frames, _tendon_of(tendons, guide))
+    place = guide - course.path.start
+    piece, radius = course.own[place], tendons.guide_radius
+    way, at = cables.x[piece] + 1j * cables.y[piece], frames.guides.x + 1j * frames.guides.y
+    ends = [at[nodes[piece], np.arange(frames.samples)] + 1j * radius[nodes[piece]] * way
+            for nodes in frames.ends]
+    before, after = (way.conj() * each for each in (at[guide] - ends[0], ends[1] - at[guide]))
+    clear = -np.sign(radius[guide]) * before.imag - abs(radius[guide])
     beside = (before.real > 0) & (after.real > 0)
-    return course.wrap(place)[1:], np.where(off[:, wheel], np.where(beside, clear, np.inf), np.nan)
+    return course.wrap(place)[1:], np.where(
+        frames.off_wheels[:, wheel], np.where(beside, clear, np.inf), np.nan)
 
 
 def span_length(frames: Frames, span: CableSpan) -> tuple[Array, Array]:
     """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free."""
-    course = _course(frames, span.tendon)
+    course = _Course(frames, span.tendon)
     places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
     for place in places[:-1]:
@@ -382,20 +332,15 @@ def piece_tensions(
 
 def lengths_at_start(model: Model) -> Array:
     """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
-    tendons = model.tendons
-    total, first = np.zeros(len(tendons.name)), stretches_at_start(model)
-    np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
-    for tendon in range(len(tendons.name)):
-        radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
-        if radii.any():
-            wraps = _Course(model, first, tendon).wraps
-            total[tendon] += radii[:len(wraps)] @ wraps
-    return total
+    return Frames.at_start(model).lengths[:, 0]
 
 
 def wraps_at_start(model: Model, tendon: int) -> Array:
     """Angle of wrap of a tendon on each wheel at t = 0 [rad]; 0 on eyes and at its ends."""
-    return _Course(model, stretches_at_start(model), tendon).wraps
+    course = _Course(Frames.at_start(model), tendon)
+    count = len(course.own) if course.closed else len(course.radii)
+    return np.array([float(course.wrap(place)[0]) if radius and course.inner(place) else 0.0
+                     for place, radius in enumerate(course.radii[:count])])
 
 
 def rest_lengths(model: Model) -> Array:
@@ -409,6 +354,6 @@ def rest_lengths(model: Model) -> Array:
 
 def wound_up(frames: Frames, tendon: int, *, last: bool = False) -> Array:
     """Length wound up by the wheels at both ends, or the ``last``, since t = 0 [m], [n]."""
-    course = _course(frames, tendon)
+    course = _Course(frames, tendon)
     end = len(course.radii) - 1
     return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))

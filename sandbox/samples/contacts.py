@@ -8,6 +8,7 @@ same for ``other``, whose force is −f and whose normal is −u.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from numpy.typing import NDArray
 from sandbox.elements.arrays import FORCES, Arrays
 from sandbox.model.joints import placed
 from sandbox.model.model import Model
+from sandbox.model.pairs import friction_of, restitution_of, static_friction_of
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.mechanism import Mechanism
 
 TOUCH = 1e-6  # Normal force [N] above which a body counts as touched
 CANCELLED = 1e-6  # Minimum of a resultant with a line of action, over the sum of its forces
@@ -25,8 +28,10 @@ CANCELLED = 1e-6  # Minimum of a resultant with a line of action, over the sum o
 class Contacts:
     """The contact rows of a recording."""
 
-    def __init__(self, arrays: Mapping[str, NDArray[Any]], *, samples: int, bodies: int) -> None:
-        self.samples, self.bodies = samples, bodies
+    def __init__(
+        self, arrays: Mapping[str, NDArray[Any]], mechanism: Mechanism, samples: int,
+    ) -> None:
+        self.mechanism, self.samples = mechanism, samples
         self.sample: Integers = arrays["contact_sample"]
         self.body: Integers = arrays["contact_body"]
         self.other: Integers = arrays["contact_other"]
@@ -36,6 +41,14 @@ class Contacts:
         (fx, fy), (nx, ny) = self.force.T, self.direction.T
         self.normal: Array = fx * nx + fy * ny  # Normal force of every row [N], [m]
         self.tangential: Array = fy * nx - fx * ny  # Tangential force, signed [N], [m]
+
+    @cached_property
+    def laws(self) -> Array:
+        """Coefficients of friction, static friction and restitution of every row, [3, m]."""
+        pairs, which = np.unique(
+            np.stack([self.body, self.other]), axis=1, return_inverse=True)
+        return np.array([[of(self.mechanism, *pair) for pair in pairs.T.tolist()] for of in (
+            friction_of, static_friction_of, restitution_of)])[:, which.ravel()]
 
     def rows_of(self, body: int) -> tuple[Integers, Array]:
         """The rows that touch a body, and +1 where it is ``body``, -1 where it is ``other``."""
@@ -57,7 +70,7 @@ class Contacts:
 
     def of_group(self, members: list[int], quantity: str) -> Array:
         """``count`` of members touched from outside, or the ``normal`` forces on them [N]: [n]."""
-        inside = np.zeros(self.bodies, dtype=bool)
+        inside = np.zeros(len(self.mechanism.bodies), dtype=bool)
         inside[members] = True
         total = np.zeros(self.samples)
         for member in members:
@@ -182,11 +195,10 @@ def merge_contacts(
     """
     bodies = 1 + max(body.max(initial=0), other.max(initial=0))
     pair = (sample * bodies + body) * bodies + other
-    if (pair[1:] < pair[:-1]).any():  # bodies of several shapes
-        order = np.argsort(pair, kind="stable")
-        sample, body, other, pair = (column[order] for column in (sample, body, other, pair))
-        point, force, normal, weight, gap, twist = (
-            column[order] for column in (point, force, normal, weight, gap, twist))
+    order = np.argsort(pair, kind="stable")  # of bodies with several shapes
+    sample, body, other, pair = (column[order] for column in (sample, body, other, pair))
+    point, force, normal, weight, gap, twist = (
+        column[order] for column in (point, force, normal, weight, gap, twist))
     start = np.flatnonzero(np.diff(pair, prepend=-1))
     merged = np.diff(start, append=len(sample)).astype(float)
     if len(start) < len(sample):

@@ -17,7 +17,6 @@ import numpy as np
 from sandbox.elements.quantities import MAX_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
 from sandbox.model.joints import placed, rotated
-from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH, slip_speeds
 from sandbox.samples.nearby import flat_sides, pressed
@@ -49,20 +48,18 @@ class Grasp:
     """An object of a recording and its contacts."""
 
     def __init__(self, run: Samples, body: int) -> None:
-        self.run, self.body, a = run, body, run.arrays
-        rows = np.flatnonzero((a["contact_body"] == body) | (a["contact_other"] == body))
-        first = a["contact_body"][rows] == body
-        sign = np.where(first, 1.0, -1.0)[:, None]
-        normal = sign * a["contact_normal"][rows]
-        push = np.einsum("ij,ij->i", sign * a["contact_force"][rows], normal)
-        presses = push > TOUCH
-        self.push: Array = push[presses]  # Normal force of every contact that presses [N], [m]
-        self.normal: Array = normal[presses]
-        self.row: Integers = rows[presses]  # Its number among those of all bodies
-        self.point: Array = a["contact_point"][rows[presses]]
-        self.sample: Integers = a["contact_sample"][rows[presses]]
+        self.run, self.body, contacts = run, body, run.contacts
+        self.row: Integers = np.flatnonzero(
+            ((contacts.body == body) | (contacts.other == body)) & (contacts.normal > TOUCH))
+        """Numbers of the contacts that press among those of all bodies, [m]."""
+        first = contacts.body[self.row] == body
+        self.push: Array = contacts.normal[self.row]  # Normal forces [N], [m]
+        self.normal: Array = np.where(first, 1.0, -1.0)[:, None] * contacts.direction[self.row]
+        self.friction: Array = contacts.laws[1, self.row]  # Coefficients of static friction, [m]
+        self.point: Array = contacts.point[self.row]
+        self.sample: Integers = contacts.sample[self.row]
         self.other: Integers = np.where(
-            first, a["contact_other"][rows], a["contact_body"][rows])[presses]
+            first, contacts.other[self.row], contacts.body[self.row])
         bodies = run.mechanism.bodies
         roles = np.array([each.role for each in bodies])[self.other]
         self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
@@ -73,20 +70,13 @@ class Grasp:
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
-        self.centre = placed(a["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
+        self.centre = placed(run.arrays["body_pose"][:, body], np.asarray(local))  # Of mass, [n, 2]
         self._stiffnesses: dict[int, Array] = {}
 
     @cached_property
     def epsilon(self) -> Array:
         """Ferrari and Canny's measure, [n]; nan where no hand presses."""
         return self.of_contacts(grasp_epsilon)
-
-    @cached_property
-    def friction(self) -> Array:
-        """Coefficient of static friction of every contact, [m]."""
-        others, which = np.unique(self.other, return_inverse=True)
-        found = [static_friction_of(self.run.mechanism, self.body, int(each)) for each in others]
-        return np.array(found, dtype=np.float64)[which]
 
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts, [n]; nan where there are none, or too many."""

@@ -8,14 +8,14 @@ its bodies, and q' = w_a . v_a + w_b . v_b. This is the NumPy counterpart of
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from sandbox.model.joints import meeting, rotated
-from sandbox.model.model import NONE, held_of
+from sandbox.model.model import NONE, Model, held_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cables import Frames, Places, piece_tensions
 
@@ -75,43 +75,40 @@ class Loads:
         self.weights: Array = np.where(
             run.model.bodies.free[:, None], np.stack([mass, mass, inertia], axis=1), 0.0)
         """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
-
-    @cached_property
-    def totals(self) -> Array:
-        """Sum of all loads but those of joints: force x, y [N] and moment [N m], [3, nb, n]."""
-        count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
-        slot = sides.body * n + sides.sample
-        total = np.array([np.bincount(slot, weights=column, minlength=count * n)
-                          for column in sides.wrench.T]).astype(float).reshape(3, count, n)
-        for batch in self.batches:
-            self._add(batch, total)
-        return total
-
-    def _add(self, batch: Batch, total: Array) -> None:
-        for k, body in enumerate(batch.body):
-            if self.model.bodies.free[body]:
-                total[:, body] += batch.wrench[k]
+        self.inverse: Array = np.divide(
+            1, self.weights, out=np.zeros_like(self.weights), where=self.weights > 0)
+        """1 / m, 1 / m, 1 / I, [nb, 3]; 0 of bodies not free."""
 
     @cached_property
     def largest(self) -> Array:
         """Largest force [N] and moment [N m] on every body, inertia included, [2, nb]."""
         sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
-        np.maximum.at(most[0], sides.body, np.hypot(*sides.wrench.T[:2]))
-        np.maximum.at(most[1], sides.body, np.abs(sides.wrench[:, 2]))
-        inertial = self.weights.T[:, :, None] * self.frames.acceleration
-        np.maximum(most[0], np.hypot(*inertial[:2]).max(axis=1, initial=0.0), out=most[0])
-        np.maximum(most[1], np.abs(inertial[2]).max(axis=1, initial=0.0), out=most[1])
-        for batch in (*self.batches, self.joints):
-            force = np.sqrt((batch.wrench[:, :2]**2).sum(axis=1).max(axis=1, initial=0.0))
-            np.fmax.at(most[0], batch.body, force)
-            np.fmax.at(most[1], batch.body, np.abs(batch.wrench[:, 2]).max(axis=1, initial=0.0))
+        inertial = self.weights[..., None] * self.frames.acceleration.swapaxes(0, 1)
+        loads = [(batch.body, batch.wrench) for batch in (*self.batches, self.joints)]
+        for body, wrench in (*loads, (sides.body, sides.wrench[..., None]),
+                             (np.arange(len(inertial)), inertial)):
+            np.fmax.at(most[0], body, np.hypot(wrench[:, 0], wrench[:, 1]).max(axis=1, initial=0.0))
+            np.fmax.at(most[1], body, np.abs(wrench[:, 2]).max(axis=1, initial=0.0))
         return most
+
+    @cached_property
+    def others(self) -> Array:
+        """Sum of all loads but those of contacts and joints: force x, y and moment, [3, nb, n]."""
+        return self.sum_of(self.batches)
+
+    def sum_of(self, batches: Iterable[Batch]) -> Array:
+        """Sum of loads on every body: force x, y [N] and moment [N m], [3, nb, n]."""
+        total = np.zeros_like(self.frames.centre)
+        for batch in batches:
+            np.add.at(total.swapaxes(0, 1), batch.body, batch.wrench)
+        return total
 
     @cached_property
     def left(self) -> Array:
         """All loads less m a, and moments less I alpha, [3, nb, n]; 0 of bodies not free."""
-        left = self.totals.copy()
-        self._add(self.joints, left)
+        left, sides = self.others + self.sum_of([self.joints]), self.contact_sides
+        for axis, push in zip(left, sides.wrench.T, strict=True):
+            np.add.at(axis, (sides.body, sides.sample), push)
         left -= self.weights.T[:, :, None] * self.frames.acceleration
         left[:, ~self.model.bodies.free] = 0.0
         return left
@@ -125,8 +122,8 @@ class Loads:
         model, a = self.model, self.run.arrays
         joints, springs = model.joints, model.springs
         if model.tendons.name:
-            loads = self.piece_efforts.times(-piece_tensions(model, a))
-            yield loads._replace(element=self.cable_efforts.element)
+            pulls = -np.tile(piece_tensions(model, a), (2, 1))[:, None]
+            yield self.cable_efforts._replace(wrench=self.cable_efforts.wrench * pulls)
         if model.lines.name:
             yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
@@ -187,11 +184,6 @@ class Loads:
             couple = np.where(turns, gain * self.model.joints.sense[joint][:, None], 0.0)
         return self._pair(
             kind, element, bodies, gain * dx / length, gain * dy / length, (one, two), couple)
-
-    def distances(self, bodies: Integers, anchor: Array) -> Array:
-        """Distances of two points of bodies [k, 2], in their frames [k, 2, 2]; [k, n] m."""
-        one, two = (self.frames.places(bodies[:, k], anchor[:, k]) for k in (0, 1))
-        return np.hypot(two.x - one.x, two.y - one.y)
 
     @cached_property
     def spring_efforts(self) -> Batch:
@@ -276,22 +268,8 @@ class Loads:
 
     @cached_property
     def cable_efforts(self) -> Batch:
-        """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
-        tendons, cables = self.model.tendons, self.frames.cables
-        one, two = tendons.stretch_first, tendons.stretch_first + 1
-        # n x u = -1
-        starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
-                                  - tendons.guide_radius[nodes, None]], axis=1)
-                        for nodes, end in ((one, cables.start), (two, cables.end)))
-        return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
-                     np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([-starts, ends]))
-
-    @property
-    def piece_efforts(self) -> Batch:
-        """The same with the number of the straight piece as element."""
-        count = len(self.model.tendons.stretch_first)
-        return self.cable_efforts._replace(element=np.tile(np.arange(count), 2))
+        """Those of :func:`cable_efforts`."""
+        return cable_efforts(self.frames)
 
     @cached_property
     def given(self) -> Array:
@@ -323,3 +301,21 @@ class Loads:
             sides.append((on, np.stack([x, y, moment], axis=1), arm))
         body, wrench, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
         return ContactSides(np.tile(sample, 2), body, wrench, arm)
+
+
+def cable_efforts(frames: Frames) -> Batch:
+    """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
+    tendons, cables = frames.model.tendons, frames.cables
+    one, two = tendons.stretch_first, tendons.stretch_first + 1
+    # n x u = -1
+    starts, ends = (np.stack([cables.x, cables.y, end.arm_x * cables.y - end.arm_y * cables.x
+                              - tendons.guide_radius[nodes, None]], axis=1)
+                    for nodes, end in ((one, cables.start), (two, cables.end)))
+    return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
+                 tendons.guide_body[np.concatenate([one, two])], np.concatenate([-starts, ends]))
+
+
+def pulls_at_start(model: Model) -> Array:
+    """Wrenches about the centres of mass of 1 N in every tendon at t = 0, [nt, nb, 3]."""
+    efforts = cable_efforts(Frames.at_start(model))
+    return -efforts.wrenches(len(model.tendons.name), len(model.bodies.name))

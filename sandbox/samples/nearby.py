@@ -124,12 +124,19 @@ def pressed(run: Samples, row: int, near: float) -> tuple[Array | None, list[Fac
     corner presses. None for bodies of several shapes that touch with several normals.
     """
     a = run.arrays
-    point, u = a["contact_point"][row], a["contact_normal"][row]
+    point, u, sample = (a[f"contact_{key}"][row] for key in ("point", "normal", "sample"))
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     along = np.array([-u[1], u[0]])
-    place = float(point @ along)
+    place, level = float(point @ along), float(point @ u)
     near += abs(float(a["contact_gap"][row])) / 2
-    sides = faces(run, row, near)
+    sides: tuple[list[Face], list[Face]] = [], []
+    # one body lies before the plane, the other beyond it; no shape crosses it
+    for side, body, sign in zip(sides, pair, (-1.0, 1.0), strict=True):
+        for corners, grown, _ in pieces_of(run, int(sample), body):
+            off = sign * (corners @ u - level) + grown
+            if abs(off.max()) <= near:
+                on = (corners @ along)[off >= off.max() - near]
+                side.append(Face(float(on.min()), float(on.max()), grown))
     here = [next((each for each in side if each.low - near <= place <= each.high + near), None)
             for side in sides]
     shared = [(max(one.low, two.low), min(one.high, two.high))
@@ -142,22 +149,6 @@ def pressed(run: Samples, row: int, near: float) -> tuple[Array | None, list[Fac
             ends = [low] if high - low <= near else [low, high]
             return np.array([point + (end - place) * along for end in ends]), here
     return None if several else point[None], here
-
-
-def faces(run: Samples, row: int, near: float) -> tuple[list[Face], list[Face]]:
-    """The faces of both bodies on the plane of a contact row, within ``near`` [m]."""
-    a = run.arrays
-    u, sample = a["contact_normal"][row], int(a["contact_sample"][row])
-    along, level = np.array([-u[1], u[0]]), float(a["contact_point"][row] @ u)
-    found: tuple[list[Face], list[Face]] = [], []
-    # one body lies before the plane, the other beyond it; no shape crosses it
-    for side, body, sign in zip(found, ("contact_body", "contact_other"), (-1.0, 1.0), strict=True):
-        for corners, grown, _ in pieces_of(run, sample, int(a[body][row])):
-            off = sign * (corners @ u - level) + grown
-            if abs(off.max()) <= near:
-                on = (corners @ along)[off >= off.max() - near]
-                side.append(Face(float(on.min()), float(on.max()), grown))
-    return found
 
 
 def flat_sides(body: Body) -> Array:

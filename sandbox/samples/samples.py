@@ -86,7 +86,7 @@ class Samples:
     @cached_property
     def contacts(self) -> Contacts:
         """The contact rows, for sums by body, pair and group."""
-        return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
+        return Contacts(self.arrays, self.mechanism, len(self))
 
     @property
     def notes(self) -> list[str]:
@@ -223,8 +223,7 @@ class Samples:
     @cached_property
     def mean_contacts(self) -> Contacts:
         """The contact rows as means over sample intervals."""
-        return Contacts(mean_contact_rows(self.arrays), samples=len(self),
-                        bodies=len(self.mechanism.bodies))
+        return Contacts(mean_contact_rows(self.arrays), self.mechanism, len(self))
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""

@@ -257,8 +257,8 @@ class Linearization:
         """The normal forces and the friction of a contact that presses."""
         a = self.run.arrays
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
-        u, force = a["contact_normal"][row], a["contact_force"][row]
-        normal, tangential = float(force @ u), float(force @ np.array([-u[1], u[0]]))
+        contacts = self.run.contacts
+        normal, tangential = float(contacts.normal[row]), float(contacts.tangential[row])
         if normal <= TOUCH or not self.model.bodies.free[list(pair)].any():
             return
         mu = friction_of(self.run.mechanism, *pair)

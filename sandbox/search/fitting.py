@@ -193,7 +193,7 @@ def estimate(
     model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
 ) -> Estimate:
     """The maximum likelihood estimate from ``start`` [p]; ``columns`` [m] are those of ``data``."""
-    from scipy.optimize import least_squares
+    from scipy import optimize, stats
     freedom = len(data) - len(start)
     if freedom <= 0:
         raise BadDataError(f"{len(data)} measured numbers do not determine {len(start)} parameters")
@@ -202,7 +202,7 @@ def estimate(
     quantiles = start
     for _ in range(MAX_ROUNDS):
         weights = 1 / sizes[columns]
-        quantiles = least_squares(
+        quantiles = optimize.least_squares(
             lambda at, weights=weights: weights * (differences(at)[0] - data), quantiles,
             jac=lambda at, weights=weights: weights[:, None] * differences(at)[1],
             bounds=(0.0, 1.0), ftol=TOLERANCE, xtol=1e-8, gtol=1e-10, max_nfev=60).x
@@ -215,23 +215,16 @@ def estimate(
         if np.all(np.abs(sizes - before) <= SETTLED * before):
             break
     jacobian = differences(quantiles)[1] / sizes[columns][:, None]
-    return Estimate(quantiles, sizes, residuals,
-                    *_uncertainty(jacobian, freedom if noise is None else math.inf))
-
-
-def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
-    """Half intervals and undetermined directions: (J^T J)^-1 from the singular values of J."""
-    from scipy import stats
-    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
+    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)  # for (J^T J)^-1
     known = values > RANK * values[0] if values[0] > 0 else np.zeros(len(values), bool)
-    factor = float(stats.t.ppf(0.975, freedom))
+    factor = float(stats.t.ppf(0.975, freedom if noise is None else math.inf))
     halves = np.where(known, factor / np.where(known, values, 1.0), np.inf)
     with np.errstate(invalid="ignore"):
         parts = np.where(np.abs(rows) > (0.0 if known.all() else 1e-6),
                          (rows * halves[:, None]) ** 2, 0.0)
     blind = [(float(half), row * np.sign(row[np.argmax(np.abs(row))]))
              for half, row in zip(halves, rows, strict=True) if half > UNCERTAIN]
-    return np.sqrt(parts.sum(axis=0)), blind
+    return Estimate(quantiles, sizes, residuals, np.sqrt(parts.sum(axis=0)), blind)
 
 
 def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
@@ -256,6 +249,7 @@ def _spreads(data: Array, columns: Integers) -> Array:
 
 def find_fit(session: Session, options: FitSearch) -> Fitted:
     """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
+    from scipy.stats import qmc
     if others := session.of_kind(tuple, Distribution):
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted(others[0])} has none")
@@ -272,7 +266,15 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
     def model(quantiles: Array, *, halved: bool = False) -> Array:
         return results(session.rows(quantiles, halved=halved), measured.keep)
 
-    found = estimate(model, measured.data, measured.columns, _start(model, session, measured),
+    points = np.vstack([
+        np.full(len(session.paths), 0.5),
+        qmc.Halton(len(session.paths), scramble=False).random(STARTS + 1)[1:]])
+    spread = _spreads(measured.data, measured.columns)[measured.columns]
+    misfit = (((model(points) - measured.data) / spread) ** 2).sum(axis=1)
+    if not np.isfinite(misfit).any():
+        raise SandboxError("no run of those at the start has all values that were measured",
+                           code="no-answer")
+    found = estimate(model, measured.data, measured.columns, points[int(np.nanargmin(misfit))],
                      noise=sizes)
     again = estimate(lambda quantiles: model(quantiles, halved=True), measured.data,
                      measured.columns, found.quantiles, noise=found.noise)
@@ -294,19 +296,6 @@ def find_fit(session: Session, options: FitSearch) -> Fitted:
                  Curve("fitted", time, how.factor * model_data)]))
         style.save_figure(draw(panels), session.out / FOUND)
     return fitted
-
-
-def _start(model: Model, session: Session, measured: Measurement) -> Array:
-    from scipy.stats import qmc
-    count = len(session.paths)
-    points = np.vstack([np.full(count, 0.5),
-                        qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])
-    spread = _spreads(measured.data, measured.columns)[measured.columns]
-    misfit = (((model(points) - measured.data) / spread) ** 2).sum(axis=1)
-    if not np.isfinite(misfit).any():
-        raise SandboxError("no run of those at the start has all values that were measured",
-                           code="no-answer")
-    return np.asarray(points[int(np.nanargmin(misfit))])
 
 
 def _fitted(session: Session, measured: Measurement, found: Estimate, again: Estimate) -> Fitted:
