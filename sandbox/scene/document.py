@@ -138,7 +138,7 @@ class Composite(PartSpec):
         if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:
             raise self._wrong([f"the name {quoted(foreign[0])} must begin with "
                                f"{quoted(f'{self.name}.')}"])
-        return known.elements + inner
+        return known.elements + Elements({}, **inner)
 
     def _wrong(self, reasons: list[str]) -> PartError:
         return PartError([Problem("bad-part", f"{type(self).__name__}.elements(): {reason}", "")

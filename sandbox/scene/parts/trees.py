@@ -66,7 +66,7 @@ class _TreeSpec(PartSpec):
 
     def expand(self, known: Known) -> Elements:
         assert isinstance(self, RockerTree | PulleyTree)
-        return _Builder(self, known).build(Elements(**known.elements))
+        return _Builder(self, known).build(known.elements + Elements())
 
 
 class RockerTree(_TreeSpec):
