@@ -41,10 +41,6 @@ class Origin:
         line, column = self.source.where(self.path)
         return f"included by {self.source.name}:{line}:{column}"
 
-    def copied(self, other: Origin) -> Origin:
-        """The same place in the copy of another place."""
-        return self if self.copy == other.copy else replace(self, copy=other.copy)
-
     def problem(self, code: str, message: str, **more: Any) -> Problem:
         """A problem of the value here."""
         return self.located(Problem(code, message, **more))
@@ -109,7 +105,7 @@ class Composed:
     def at(self, container: Any, step: str | int, place: Origin) -> Origin:
         """Where a child of a container at a place was written, in the copy of that place."""
         moved = self.of(container).get(step)
-        return moved.copied(place) if moved else place.to(step)
+        return replace(moved, copy=place.copy) if moved else place.to(step)
 
     def place(self, path: JsonPath) -> Origin:
         """Where the value at a path of the data was written."""
