@@ -60,12 +60,6 @@ class Assembly(ElementLists, PlacedPart):
     parts: Items[Part] = ()
     """Its parts, assemblies among them."""
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        """The tendons of its parts."""
-        return {f"{self.name}.{name}": f"{self.name}.{tendon}"
-                for part in self.parts for name, tendon in part.tendon_names.items()}
-
     def expand(self, known: Known) -> Elements:
         """All elements so far, and its own, placed and under their names outside."""
         begin, before = f"{self.name}.", known.elements

@@ -39,6 +39,13 @@ class Elements(dict[str, tuple[Any, ...]]):
         return Elements({kind: [*self.paths[kind], *other.paths[kind]] for kind in self},
                         **{kind: self[kind] + other[kind] for kind in self})
 
+    @property
+    def tendon_of(self) -> dict[str, str]:
+        """The tendons that parts made, which drives and trees name by the part, by these names."""
+        return {each.name.removesuffix(".tendon"): each.name
+                for each, path in zip(self["tendons"], self.paths["tendons"], strict=True)
+                if path[-2:-1] == ("parts",) and each.name.endswith(".tendon")}
+
     def body(self, name: str) -> Body | None:
         """The body of that name."""
         return next((body for body in self["bodies"] if body.name == name), None)
@@ -56,8 +63,6 @@ class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
     elements: Elements = field(default_factory=Elements)  # all elements so far
-    tendon_of: Mapping[str, str] = field(default_factory=dict)
-    """The tendon of each finger and tree, by the part's name."""
     failed: frozenset[str] = frozenset()
     """Parts that could not be built; parts that depend on them are not reported."""
     pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here
@@ -86,11 +91,6 @@ class PartSpec(Spec):
         """What it pulls; a part that pulls others is expanded after them."""
         return ()
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        """The tendons that drives and trees pull, by the names that they may use."""
-        return {}
-
     def expand(self, known: Known) -> Elements:
         """All elements so far, and those of the part."""
         raise NotImplementedError
@@ -108,7 +108,6 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
                         **lists)
 
     elements = written(*OWN) + Elements(materials=tuple(scene.materials.items()))
-    tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
     pulled = around.pulled | {leaf.name for part in scene.parts for leaf in part.leaves}
     problems: list[Problem] = []
     pullers: dict[tuple[str, tuple[float, float]], str] = {}
@@ -128,7 +127,7 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
         try:
             expanded = part.expand(Known(
-                elements, tendon_of, frozenset(failed), pulled, around.outside, around.near))
+                elements, frozenset(failed), pulled, around.outside, around.near))
             expanded.paths = {kind: [*known, *(("parts", i, *path) for path in
                                                expanded.paths[kind][len(known):])]
                               for kind, known in elements.paths.items()}
@@ -145,7 +144,7 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
                          for why in reasons]
     if problems:
         raise PartError(problems)
-    own = written("drives")
+    own, tendon_of = written("drives"), elements.tendon_of
     own["drives"] = tuple(
         drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
         if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
