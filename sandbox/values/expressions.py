@@ -124,15 +124,13 @@ class Expression:
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
         """The value, float or array, for named values and tables (by :func:`call`)."""
-        def read(name: str) -> Callable[[], Any]:
-            if name not in values and name not in CONSTANTS:
-                raise unknown_name(name, values)
-            return lambda: values[name] if name in values else CONSTANTS[name]
-
+        self.check_tables(values)
+        for name in sorted(name for name in self.names if name not in values):
+            raise unknown_name(name, values)
         try:
             with np.errstate(all="ignore"):
-                self.check_tables(values)
-                computed = _compiled(self.tree, 0, read, values)
+                computed = _compiled(self.tree, 0, lambda name: lambda: (
+                    values[name] if name in values else CONSTANTS[name]), values)
                 result = np.asarray(computed(), dtype=float)
         except WrongValueError:
             raise

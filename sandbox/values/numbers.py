@@ -44,12 +44,7 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
         raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
         if is_expression(value):
-            expression = parse_expression(value)
-            expression.check_tables(parameters)
-            for name in sorted(expression.names):
-                if name not in parameters:
-                    raise unknown_name(name, parameters)
-            return in_range(float(expression.evaluate(parameters)), dimension)
+            return in_range(float(parse_expression(value).evaluate(parameters)), dimension)
         try:
             return in_range(parse_quantity(value, dimension), dimension)
         except WrongValueError as error:

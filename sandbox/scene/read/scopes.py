@@ -34,7 +34,7 @@ from sandbox.values.numbers import Coordinate, Pair, number_from, parameters_of
 from sandbox.values.paths import parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted, refuse_if
+from sandbox.wording import WrongValueError, kind_of, listed, quoted, refuse_if
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -223,7 +223,7 @@ def _count(value: Any, info: ValidationInfo) -> int:
     count, shown, maximum = 0.0, kind_of(value), (info.context or {})["maximum"]
     try:
         count = number_from(value, "ratio", parameters_of(info))
-        shown = number_text(count)
+        shown = f"{count:.6g}"
     except WrongValueError:
         if ex.is_expression(value):
             raise
