@@ -18,7 +18,7 @@ import sys
 import warnings
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache, partial, reduce
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple, TypeVar
 
@@ -81,10 +81,7 @@ def _float_power(base: float, exponent: float) -> float:
     return result if isinstance(result, float) else math.nan  # a negative base: complex
 
 
-def _one_or_zero(true: Any) -> Any:
-    return np.asarray(true, dtype=float)
-
-
+_one_or_zero = partial(np.asarray, dtype=float)
 # Of arrays and of floats; those of "and", "or" and "if" take functions as operands.
 _OPERATORS: dict[type[ast.AST], tuple[Callable[..., Any], Callable[..., Any]]] = {
     ast.Add: (np.add, operator.add), ast.Sub: (np.subtract, operator.sub),

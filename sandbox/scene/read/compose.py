@@ -206,9 +206,7 @@ class _Composer:
                 if isinstance(item, dict):
                     self.copies(out, merged(item, here, self.made), here)
                 else:
-                    if len(out) != number:
-                        self.made.put(out, len(out), here.place)
-                    out.append(self.value(item, here))
+                    self.append(out, self.value(item, here), here.place)
             except RefusedError as error:
                 self.refuse(error, (*at.trail, len(out)))
                 name = item.get("name") if isinstance(item, dict) and "repeat" not in item else None
