@@ -134,13 +134,6 @@ def kind_of(value: Any) -> str:
     if isinstance(value, str):
         return f"the text {quoted(value)}"
     if isinstance(value, (int, float)):
-        return f"the number {number_text(value)}"
+        many = isinstance(value, int) and abs(value) >= 10**308  # no float
+        return "the number of many digits" if many else f"the number {value:.6g}"
     return f"a {type(value).__name__}"
-
-
-def number_text(value: float) -> str:
-    """A number with six digits, for messages."""
-    try:
-        return f"{value:.6g}"
-    except OverflowError:
-        return "of many digits"

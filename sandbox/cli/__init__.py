@@ -15,10 +15,6 @@ import sys
 import warnings
 from collections.abc import Sequence
 from types import FrameType
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from sys import UnraisableHookArgs
 
 __all__ = ["main"]
 
@@ -63,7 +59,8 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
             _retry()
             return
         frame = frame.f_back
-    sys.unraisablehook = _unraisable
+    sys.unraisablehook = lambda lost: (  # a finalizer lost it; its other errors are ignored
+        _retry() if lost.exc_type is KeyboardInterrupt else None)
     raise KeyboardInterrupt
 
 
@@ -73,9 +70,3 @@ def _retry() -> None:
     timer = threading.Timer(RETRY, _thread.interrupt_main)
     timer.daemon = True
     timer.start()
-
-
-def _unraisable(lost: UnraisableHookArgs, /) -> None:
-    """Raise a ``KeyboardInterrupt`` again that a finalizer lost; ignore its other errors."""
-    if lost.exc_type is KeyboardInterrupt:
-        _retry()

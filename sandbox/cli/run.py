@@ -25,6 +25,7 @@ from sandbox.recording.store import save_data, save_summary, unfinished
 from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.outcome import INTERRUPTED, outcome_data
 from sandbox.scene.read.load import Loaded
+from sandbox.wording import counted
 
 MAX_ROWS = 12  # expectations that are all listed; of more, those that passed are only counted
 AUDIT_PAGE = "docs/audit.md"  # explanation of the consistency checks
@@ -182,9 +183,8 @@ def _check_lines(checks: Sequence[Figure], solver: str, *, whole: bool) -> list[
     without = [f.name for f in checks if f.verdict == "not computed"]
     if whole and without:
         lines.append(f"not computed (run.json has the reasons): {', '.join(without)}")
-    many = "s" if len(warnings) > 1 else ""
     lines.append(f"{len(computed) - len(warnings)} checks passed"
-                 + (f", {len(warnings)} warning{many}:" if warnings else "")
+                 + (f", {counted(len(warnings), 'warning')}:" if warnings else "")
                  + ("" if whole or warnings else "; --audit lists them"))
     for each in warnings:
         advice = advice_on(each.name, solver)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -82,15 +83,10 @@ def _check_ring(ring: Ring, hole: str = "") -> Ring:
     return ring
 
 
-def _check_line(points: Ring) -> Ring:
-    check_distinct(points, closed=False)
-    _check_sides(points)
-    return points
-
-
-def _check_sides(points: Ring) -> None:
+def _check_sides(points: Ring) -> Ring:
     fault = size_fault(min(math.dist(p, q) for p, q in pairwise(points)), "length")
     refuse_if(fault, f"the shortest side is {fault}", "out-of-range")
+    return points
 
 
 class Polygon(Spec):
@@ -150,7 +146,8 @@ class Polyline(Spec):
 
     type: Literal["polyline"] = TYPE
     points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MAX_CORNERS),
-                      AfterValidator(_check_line)]
+                      AfterValidator(partial(check_distinct, closed=False)),
+                      AfterValidator(_check_sides)]
     """Its corners and ends; closed if the last point equals the first."""
     radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""

@@ -60,12 +60,6 @@ class Assembly(ElementLists, PlacedPart):
     parts: Items[Part] = ()
     """Its parts, assemblies among them."""
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        """The tendons of its parts."""
-        return {f"{self.name}.{name}": f"{self.name}.{tendon}"
-                for part in self.parts for name, tendon in part.tendon_names.items()}
-
     def expand(self, known: Known) -> Elements:
         """All elements so far, and its own, placed and under their names outside."""
         begin, before = f"{self.name}.", known.elements
@@ -138,7 +132,7 @@ class Composite(PartSpec):
         if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:
             raise self._wrong([f"the name {quoted(foreign[0])} must begin with "
                                f"{quoted(f'{self.name}.')}"])
-        return known.elements + inner
+        return known.elements + Elements({}, **inner)
 
     def _wrong(self, reasons: list[str]) -> PartError:
         return PartError([Problem("bad-part", f"{type(self).__name__}.elements(): {reason}", "")

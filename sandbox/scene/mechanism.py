@@ -19,7 +19,7 @@ from sandbox.values.expressions import call
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, function_of
-from sandbox.wording import refuse_if
+from sandbox.wording import counted, refuse_if
 
 FORMAT = 1  # the version of the scene format that is read
 
@@ -105,10 +105,8 @@ class Mechanism(ElementLists, SceneHead):
     def counted(self) -> str:
         """Numbers of elements, such as ``4 bodies, 3 joints``; parts are not expanded."""
         words = {"contacts": "contact rule", "expect": "expectation", "parts": "part"}
-        kinds = [(key, len(getattr(self, key, ()))) for key in ("parts", *LISTS)]
-        return ", ".join(
-            f"{n} {key if n > 1 and key not in words else one + 's' * (n > 1)}"
-            for key, n in kinds if n for one in [words.get(key) or NAMED[key].one])
+        return ", ".join(counted(len(each), words.get(key) or f"{NAMED[key].one}|{key}")
+                         for key in ("parts", *LISTS) if (each := getattr(self, key, ())))
 
     @property
     def holding(self) -> tuple[Joint | Spring | Tendon, ...]:

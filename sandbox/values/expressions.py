@@ -18,7 +18,7 @@ import sys
 import warnings
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache, partial, reduce
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple, TypeVar
 
@@ -81,10 +81,7 @@ def _float_power(base: float, exponent: float) -> float:
     return result if isinstance(result, float) else math.nan  # a negative base: complex
 
 
-def _one_or_zero(true: Any) -> Any:
-    return np.asarray(true, dtype=float)
-
-
+_one_or_zero = partial(np.asarray, dtype=float)
 # Of arrays and of floats; those of "and", "or" and "if" take functions as operands.
 _OPERATORS: dict[type[ast.AST], tuple[Callable[..., Any], Callable[..., Any]]] = {
     ast.Add: (np.add, operator.add), ast.Sub: (np.subtract, operator.sub),
@@ -124,15 +121,13 @@ class Expression:
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
         """The value, float or array, for named values and tables (by :func:`call`)."""
-        def read(name: str) -> Callable[[], Any]:
-            if name not in values and name not in CONSTANTS:
-                raise unknown_name(name, values)
-            return lambda: values[name] if name in values else CONSTANTS[name]
-
+        self.check_tables(values)
+        for name in sorted(name for name in self.names if name not in values):
+            raise unknown_name(name, values)
         try:
             with np.errstate(all="ignore"):
-                self.check_tables(values)
-                computed = _compiled(self.tree, 0, read, values)
+                computed = _compiled(self.tree, 0, lambda name: lambda: (
+                    values[name] if name in values else CONSTANTS[name]), values)
                 result = np.asarray(computed(), dtype=float)
         except WrongValueError:
             raise

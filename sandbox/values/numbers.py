@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 from annotated_types import Ge, Gt, Le
 from pydantic import AfterValidator, Field, StrictBool, ValidationInfo
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, core_schema
 
-from sandbox.values.expressions import Expression, parse_expression, unknown_name
+from sandbox.values.expressions import Expression, is_expression, parse_expression, unknown_name
 from sandbox.values.spec import ReadMark
 from sandbox.values.units import RANGES, Measured, in_range, parse_quantity, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted, refuse_if
@@ -43,13 +43,8 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
-        if value.lstrip().startswith("="):
-            expression = parse_expression(value)
-            expression.check_tables(parameters)
-            for name in sorted(expression.names):
-                if name not in parameters:
-                    raise unknown_name(name, parameters)
-            return in_range(float(expression.evaluate(parameters)), dimension)
+        if is_expression(value):
+            return in_range(float(parse_expression(value).evaluate(parameters)), dimension)
         try:
             return in_range(parse_quantity(value, dimension), dimension)
         except WrongValueError as error:
@@ -92,7 +87,7 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
 def bound_expression(text: str, info: ValidationInfo) -> Expression:
     """The expression of a text with the scene's parameters put in; tables have to be known."""
     expression = parse_expression(text)
-    if info.context is not None:
+    if "parameters" in (info.context or {}):
         expression.check_tables(parameters_of(info))
     return expression.bind(parameters_of(info))
 
@@ -106,14 +101,6 @@ def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> s
     for name in sorted(bound.names.difference(own)):
         raise unknown_name(name, {**dict.fromkeys(own), **parameters})
     return f"={bound.text}"
-
-
-def refusal(error: ValueError) -> PydanticCustomError:
-    """A wrong value as pydantic's own type of error, for use outside validators."""
-    if not isinstance(error, WrongValueError):
-        error = WrongValueError("wrong-type", str(error))
-    return PydanticCustomError(error.code, "{reason}", {
-        "reason": error.message, "allowed": error.allowed, "hint": error.hint})
 
 
 @dataclass(frozen=True)
@@ -139,7 +126,10 @@ class Dimension(ReadMark):
 
     def read(self, value: Any, info: ValidationInfo) -> float:
         """The value in SI, with its sign and size checked."""
-        number = number_from(value, self.name, parameters_of(info))
+        dimension = self.name
+        if isinstance(value, str) and not is_expression(value):  # a text in a value over time
+            dimension = dimension or (info.context or {}).get("dimension")
+        number = number_from(value, dimension, parameters_of(info))
         minimum = RANGES[self.name].minimum if self.sign == "> 0" else 0.0
         allowed = "0 or more" if not minimum else "greater than 0" if number <= 0 else \
             f"at least {with_unit(minimum, self.name)}"

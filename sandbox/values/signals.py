@@ -8,8 +8,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationError, ValidationInfo
-from pydantic_core import InitErrorDetails
+from pydantic import AfterValidator, Discriminator, Field, Tag, TypeAdapter, ValidationInfo
 
 from sandbox.numeric import Array
 from sandbox.values import numbers as of
@@ -119,32 +118,9 @@ class OverTime(ReadMark):
         return f" [{units_of(str(self.dimension))[0]}]" if shown else ""
 
     def read(self, value: Any, info: ValidationInfo) -> Any:
-        """The signal as an object, its quantities in SI; other dimensions are refused."""
-        written, value = value, _as_object(value)
-        inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
-        if not isinstance(value, dict) or self.dimension is None:
-            return value
-        errors: list[InitErrorDetails] = []
-
-        def number(quantity: Any, *place: str | int) -> Any:
-            if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
-                return quantity
-            try:
-                return of.number_from(quantity, self.dimension, of.parameters_of(info))
-            except ValueError as error:
-                errors.append({"type": of.refusal(error), "loc": (*inside, *place),
-                               "input": quantity})
-
-        value = value | {key: number(value[key], key) for key in ("constant", "from", "to")
-                         if key in value}
-        if isinstance(value.get("table"), (list, tuple)):
-            value["table"] = [
-                (row[0], number(row[1], "table", i, 1))
-                if isinstance(row, (list, tuple)) and len(row) == 2 else row
-                for i, row in enumerate(value["table"])]
-        if errors:
-            raise ValidationError.from_exception_data("signal", errors)
-        return value
+        """The signal; units of its numbers of another dimension are refused."""
+        return _ANY.validate_python(_as_object(value), context={
+            **(info.context or {}), "dimension": self.dimension})
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
@@ -153,6 +129,7 @@ _Union = of.Written[Annotated[
     | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
     Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
 ]]
+_ANY: TypeAdapter[Any] = TypeAdapter(_Union)
 Signal = Annotated[_Union, OverTime()]
 ForceSignal = Annotated[_Union, OverTime("force")]
 TorqueSignal = Annotated[_Union, OverTime("torque")]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
@@ -29,14 +29,16 @@ MAX_POINTS = 1000  # of one table
 CLOSEST = 1e-9  # the least distance of two points, as a share of the whole table
 CLOSES = 1e-9  # maximum difference of the ends of a table that repeats, as a share of its range
 STEEPEST = 1e15  # maximum slope of a table, SI, so that derived numbers are finite
+Points = tuple[tuple[float, float], ...]
 
 
-def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> None:
+def check_distinct(points: Points, *, closed: bool) -> Points:
     """Check that neighbouring points of a curve differ."""
     for i, one in enumerate(points):
         j = (i + 1) % len(points)
         refuse_if(one == points[j] and (closed or j), f"points {i} and {j} are the same point",
                   "bad-outline", allowed="each point once; a closed curve closes automatically")
+    return points
 
 
 class Spline:
@@ -87,7 +89,7 @@ class NamedTable(Spec):
 
     @field_validator("points")
     @classmethod
-    def _rising(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    def _rising(cls, points: Points) -> Points:
         at = np.array([x for x, _ in points])
         i = int(np.argmin(np.diff(at)))
         gap, closest = at[i + 1] - at[i], CLOSEST * abs(at[-1] - at[0])

@@ -20,7 +20,7 @@ from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME
 from sandbox.values.paths import path_text
-from sandbox.values.signals import Constant, Ramp, Table
+from sandbox.values.spec import Spec
 from sandbox.values.units import UNITS, Measured, factor_of, size_fault
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
@@ -158,18 +158,14 @@ def _measured(mechanism: Mechanism) -> Iterator[Place]:
 
 
 def _values(path: str, value: Any, dimension: str | None) -> Iterator[Place]:
-    """The numbers of a field: of a signal, of a list, or the number itself."""
-    match value:
-        case Constant():
-            yield f"{path}.constant", value.constant, dimension
-        case Ramp():
-            yield f"{path}.ramp.from", value.start_value, dimension
-            yield f"{path}.ramp.to", value.to, dimension
-        case Table():
-            for i, (_, number) in enumerate(value.table):
-                yield f"{path}.table[{i}][1]", number, dimension
-        case tuple():
-            for i, number in enumerate(value):
-                yield f"{path}[{i}]", number, dimension
-        case _:
-            yield path, value, dimension
+    """The number of a field, or all those of a list or a signal."""
+    if isinstance(value, Spec):
+        kind = type(value).__name__.lower()
+        for name, field in type(value).model_fields.items():
+            yield from _values(f"{path}.{kind}.{field.alias or name}", getattr(value, name),
+                               dimension)
+    elif isinstance(value, tuple):
+        for i, entry in enumerate(value):
+            yield from _values(f"{path}[{i}]", entry, dimension)
+    else:
+        yield path, value, dimension

@@ -148,21 +148,19 @@ class DiscCam(Spec):
                   f"above {-lowest:.6g} m, or more entries where the curve swings between them")
         radii = self.radii()
         if radii.min() <= 0:
-            raise self._undercut(math.degrees(float(self.checked[int(radii.argmin())])))
+            turn = math.degrees(float(self.checked[int(radii.argmin())]))
+            low, high = self.base, LARGEST
+            while high - low > SPARE * low:
+                middle = math.sqrt(low * high)
+                fits = self.model_copy(update={"base": middle}).radii().min() > 0
+                low, high = (low, middle) if fits else (middle, high)
+            digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
+            what, more = ("a flat follower bridges it", "") if self.roller is None else (
+                f"a roller of {self.roller:.6g} m cannot reach it", ", or a smaller roller")
+            raise WrongValueError(
+                "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}", allowed=
+                f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m{more}")
         turns = np.union1d(self.rise.at, self.rise.at[0] + math.tau * np.arange(24) / 24)
         turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
         return nodes_along(lambda at: self.contacts(-self.sense * at), np.sort(-self.sense * turns),
                            FINE)[:-1]
-
-    def _undercut(self, turn: float) -> WrongValueError:
-        low, high = self.base, LARGEST
-        while high - low > SPARE * low:
-            middle = math.sqrt(low * high)
-            fits = self.model_copy(update={"base": middle}).radii().min() > 0
-            low, high = (low, middle) if fits else (middle, high)
-        digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
-        what, more = ("a flat follower bridges it", "") if self.roller is None else (
-            f"a roller of {self.roller:.6g} m cannot reach it", ", or a smaller roller")
-        return WrongValueError(
-            "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
-            allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m{more}")

@@ -86,13 +86,10 @@ def first_meeting(rings: Sequence[Ring]) -> tuple[int, int, str] | None:
     starts = np.concatenate([np.array(ring) for ring in rings])
     ends = np.concatenate([np.roll(np.array(ring), -1, axis=0) for ring in rings])
     names, after = [i for ring in rings for i in range(len(ring))], np.array(_after(rings))
-    left, right = np.minimum(starts, ends), np.maximum(starts, ends)
-    order = np.argsort(left[:, 0], kind="stable")
-    until = np.searchsorted(left[order, 0], right[order, 0], side="right")
-    found: list[tuple[int, int]] = []
-    for k, i in enumerate(order.tolist()):
-        others = order[k + 1:until[k]]
-        others = others[(left[others, 1] <= right[i, 1]) & (right[others, 1] >= left[i, 1])]
+    (x0, y0), (x1, y1) = np.minimum(starts, ends).T.copy(), np.maximum(starts, ends).T.copy()
+    for i in range(len(starts)):
+        others = np.flatnonzero((x0 <= x1[i]) & (x1 >= x0[i]) & (y0 <= y1[i]) & (y1 >= y0[i]))
+        others = others[others > i]
         p, q, r, s = starts[i], ends[i], starts[others], ends[others]
         u, v = q - p, s - r
         met = ((np.sign(_cross(u, r - p)) * np.sign(_cross(u, s - p)) <= 0)
@@ -100,12 +97,13 @@ def first_meeting(rings: Sequence[Ring]) -> tuple[int, int, str] | None:
         # neighbours share a corner; they meet otherwise only where one runs back along the other
         joined = (after[i] == others) | (after[others] == i)
         back = (u[0] * v[:, 1] == u[1] * v[:, 0]) & (v @ u < 0)
-        found += [(min(i, j), max(i, j)) for j in others[met & (~joined | back)].tolist()]
-    if not found:
+        if len(met := others[met & (~joined | back)]):
+            break
+    else:
         return None
-    i, j = min(found)
-    p, q, r, s = starts[i], ends[i], starts[j], ends[j]
-    u, v = q - p, s - r
+    j = int(met[0])
+    r, s = starts[j], ends[j]
+    v = s - r
     if cross := _cross(u, v):
         x, y = p + _cross(r - p, v) / cross * u
     else:  # in one line: the start of what they share
@@ -171,9 +169,7 @@ def pieces_of(outer: Ring, holes: tuple[Ring, ...] = ()) -> tuple[Piece, ...]:
                 arcs.append(normals[i] + normals[i])
             if i not in seen:  # a corner of several pieces belongs to the first
                 seen.add(i)
-                one, two = normals[before[i]], normals[i]
-                if one[0] * two[1] - one[1] * two[0] > 0:  # it stands out
-                    arcs += halves(one, two)
+                arcs += between(normals[before[i]], normals[i])
         found.append(Piece(tuple(corners[i] for i in piece), np.array(arcs).reshape(-1, 4)))
     return tuple(found)
 
@@ -241,12 +237,15 @@ def side_normal(start: Corner, end: Corner) -> Corner:
     return dy / length, -dx / length
 
 
-def halves(one: Corner, two: Corner) -> list[tuple[float, ...]]:
-    """The arc from one unit vector counter-clockwise to another, up to half a turn, in two."""
+def between(one: Corner, two: Corner) -> list[tuple[float, ...]]:
+    """The arc between the normals of two sides, in two; none if their corner does not stand out."""
+    bend = one[0] * two[1] - one[1] * two[0]
+    if bend < 0 or (bend == 0 and one[0] * two[0] + one[1] * two[1] > 0):
+        return []
     start, end = (math.atan2(y, x) for x, y in (one, two))
     middle = start + ((end - start) % math.tau) / 2
-    between = math.cos(middle), math.sin(middle)
-    return [(*one, *between), (*between, *two)]
+    normal = math.cos(middle), math.sin(middle)
+    return [(*one, *normal), (*normal, *two)]
 
 
 def chain_faces(points: Ring) -> Iterator[Array]:
@@ -261,14 +260,10 @@ def chain_faces(points: Ring) -> Iterator[Array]:
     for i, (right, left) in enumerate(zip(rights, lefts, strict=True)):
         arcs: list[tuple[float, ...]] = [right + right, left + left]
         if i == 0 and not closed:
-            arcs += halves(left, right)
+            arcs += between(left, right)
         if i == len(rights) - 1 and not closed:
-            arcs += halves(right, left)
+            arcs += between(right, left)
         else:
             k = (i + 1) % len(rights)
-            one, two = right, rights[k]
-            if (bend := one[0] * two[1] - one[1] * two[0]) < 0:
-                one, two = lefts[k], left
-            if bend or one[0] * two[0] + one[1] * two[1] < 0:
-                arcs += halves(one, two)
+            arcs += between(right, rights[k]) or between(lefts[k], left)
         yield np.array(arcs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import ElementLists
 from sandbox.values.numbers import Name, Point
+from sandbox.values.paths import JsonPath
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses, quoted
 
@@ -23,13 +24,27 @@ OWN = tuple(kind for kind in ElementLists.model_fields
 
 
 class Elements(dict[str, tuple[Any, ...]]):
-    """Plain elements of a mechanism by kind, in order; materials are pairs of name and material."""
+    """Plain elements of a mechanism by kind, in order; materials are pairs of name and material.
 
-    def __init__(self, **lists: tuple[Any, ...]) -> None:
+    ``paths`` tells where each was written; it is that of the part for one that the part makes.
+    """
+
+    def __init__(
+        self, paths: Mapping[str, Sequence[JsonPath]] = {}, **lists: tuple[Any, ...],
+    ) -> None:
         super().__init__({kind: lists.get(kind, ()) for kind in ElementLists.model_fields})
+        self.paths = {kind: paths.get(kind) or [()] * len(self[kind]) for kind in self}
 
     def __add__(self, other: Elements) -> Elements:
-        return Elements(**{kind: self[kind] + other[kind] for kind in self})
+        return Elements({kind: [*self.paths[kind], *other.paths[kind]] for kind in self},
+                        **{kind: self[kind] + other[kind] for kind in self})
+
+    @property
+    def tendon_of(self) -> dict[str, str]:
+        """The tendons that parts made, which drives and trees name by the part, by these names."""
+        return {each.name.removesuffix(".tendon"): each.name
+                for each, path in zip(self["tendons"], self.paths["tendons"], strict=True)
+                if path[-2:-1] == ("parts",) and each.name.endswith(".tendon")}
 
     def body(self, name: str) -> Body | None:
         """The body of that name."""
@@ -48,8 +63,6 @@ class Known:
     """Elements and names that a part may refer to while it is expanded."""
 
     elements: Elements = field(default_factory=Elements)  # all elements so far
-    tendon_of: Mapping[str, str] = field(default_factory=dict)
-    """The tendon of each finger and tree, by the part's name."""
     failed: frozenset[str] = frozenset()
     """Parts that could not be built; parts that depend on them are not reported."""
     pulled: frozenset[str] = frozenset()  # parts and tendons that trees pull, by their names here
@@ -78,11 +91,6 @@ class PartSpec(Spec):
         """What it pulls; a part that pulls others is expanded after them."""
         return ()
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        """The tendons that drives and trees pull, by the names that they may use."""
-        return {}
-
     def expand(self, known: Known) -> Elements:
         """All elements so far, and those of the part."""
         raise NotImplementedError
@@ -94,9 +102,12 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
     Raises:
         PartError: problems of its parts; their paths start at the scene or assembly.
     """
-    elements = Elements(materials=tuple(scene.materials.items()),
-                        **{kind: getattr(scene, kind) for kind in OWN})
-    tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
+    def written(*kinds: str) -> Elements:
+        lists = {kind: getattr(scene, kind) for kind in kinds}
+        return Elements({kind: [(kind, i) for i in range(len(lists[kind]))] for kind in kinds},
+                        **lists)
+
+    elements = written(*OWN) + Elements(materials=tuple(scene.materials.items()))
     pulled = around.pulled | {leaf.name for part in scene.parts for leaf in part.leaves}
     problems: list[Problem] = []
     pullers: dict[tuple[str, tuple[float, float]], str] = {}
@@ -115,8 +126,12 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
     failed: set[str] = set()
     for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
         try:
-            elements = part.expand(Known(
-                elements, tendon_of, frozenset(failed), pulled, around.outside, around.near))
+            expanded = part.expand(Known(
+                elements, frozenset(failed), pulled, around.outside, around.near))
+            expanded.paths = {kind: [*known, *(("parts", i, *path) for path in
+                                               expanded.paths[kind][len(known):])]
+                              for kind, known in elements.paths.items()}
+            elements = expanded
         except PartError as error:
             failed.add(part.name)
             problems += [dataclasses.replace(problem, path=f".parts[{i}]{problem.path}")
@@ -129,9 +144,9 @@ def expand_parts(scene: Scene | Assembly, around: Known) -> Elements:
                          for why in reasons]
     if problems:
         raise PartError(problems)
-    drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
-              if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
-              for drive in scene.drives]
-    return Elements(**elements | {
-        "drives": (*drives, *elements["drives"]), "contacts": elements["contacts"] + scene.contacts,
-        "groups": elements["groups"] + scene.groups})
+    own, tendon_of = written("drives"), elements.tendon_of
+    own["drives"] = tuple(
+        drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
+        if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
+        for drive in scene.drives)
+    return own + elements + written("contacts", "groups")

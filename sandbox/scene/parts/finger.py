@@ -162,11 +162,6 @@ class Finger(PartSpec):
         refuse_if((self.masses is None) == (self.density is None),
                   "a finger needs either 'masses' or 'density'")
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        """Its tendon."""
-        return {self.name: f"{self.name}.tendon"}
-
     def expand(self, known: Known) -> Elements:
         """All elements so far, and those of the finger."""
         palm = None
@@ -174,7 +169,7 @@ class Finger(PartSpec):
             raise PartError([Problem(
                 "name-not-found", f"no body before this finger is named {self.on!r}", path=".on",
                 hint=known.near(self.on, (body.name for body in known.elements["bodies"])))])
-        pulled = not known.pulled.isdisjoint({self.name, known.tendon_of[self.name]})
+        pulled = not known.pulled.isdisjoint({self.name, f"{self.name}.tendon"})
         return known.elements + _Builder(self, palm).build(pulled=pulled)
 
 

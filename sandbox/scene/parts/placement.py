@@ -273,8 +273,8 @@ def placed(mover: Mover) -> Elements:
         found[kind] = tuple(moved)
     if problems:
         raise PartError(problems)
-    found["groups"] += (Group(name=name, bodies=tuple(body.name for body in found["bodies"])),)
-    return Elements(**found)
+    return Elements(inner.paths, **found) + Elements(
+        groups=(Group(name=name, bodies=tuple(body.name for body in found["bodies"])),))
 
 
 def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:

@@ -60,13 +60,9 @@ class _TreeSpec(PartSpec):
     def leaves(self) -> tuple[Leaf, ...]:
         return tuple(self.pulls)
 
-    @property
-    def tendon_names(self) -> dict[str, str]:
-        return {self.name: f"{self.name}.tendon"}
-
     def expand(self, known: Known) -> Elements:
         assert isinstance(self, RockerTree | PulleyTree)
-        return _Builder(self, known).build(Elements(**known.elements))
+        return _Builder(self, known).build(known.elements + Elements())
 
 
 class RockerTree(_TreeSpec):
@@ -138,10 +134,10 @@ class _Builder:
         tree = self.tree
         tendons = {tendon.name: tendon for tendon in reversed(known.elements["tendons"])}
         bodies = {body.name: body for body in reversed(known.elements["bodies"])}
-        shares = tree.shares or (1.0,) * len(tree.pulls)
+        tendon_of, shares = known.elements.tendon_of, tree.shares or (1.0,) * len(tree.pulls)
         found, problems, total, near = [], [], sum(shares), NearMisses()
         for i, (leaf, share) in enumerate(zip(tree.pulls, shares, strict=True)):
-            tendon = tendons.get(known.tendon_of.get(leaf.name) or leaf.name)
+            tendon = tendons.get(tendon_of.get(leaf.name) or leaf.name)
             end = tendon.guides[-1] if tendon else Guide(body=leaf.name, at=leaf.at)
             body = bodies.get(end.body)
             if body is not None:
@@ -153,7 +149,7 @@ class _Builder:
                 problems.append(Problem(
                     "name-not-found", f"no finger, tendon or body is named {leaf.name!r}",
                     path=f".pulls[{i}]",
-                    hint=near(leaf.name, [*known.tendon_of, *tendons, *bodies])))
+                    hint=near(leaf.name, [*known.failed, *tendon_of, *tendons, *bodies])))
         if len(found) < len(tree.pulls):
             raise PartError(problems)
         order = sorted(found, key=lambda leaf: leaf.across)

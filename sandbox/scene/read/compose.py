@@ -43,8 +43,6 @@ class Context:
     place: Origin
     trail: JsonPath
     scope: Scope
-    templates: Any
-    home: Origin  # of the templates
     files: tuple[Path, ...] = ()  # files that include one another, down to the file of this piece
 
     def to(self, step: str | int, place: Origin) -> Context:
@@ -54,7 +52,7 @@ class Context:
 
 def compose(source: SceneSource, data: dict[str, Any], parameters: scopes.Parameters) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
-    root = Origin(source)
+    root = Origin(replace(source, data=data))
     made = Composed(data, root)
     if any(_has_words(data.get(key)) for key in COMPOSED_LISTS):
         tables = data.get("tables")
@@ -62,8 +60,7 @@ def compose(source: SceneSource, data: dict[str, Any], parameters: scopes.Parame
         home = (source.path.resolve(),) if source.path is not None else ()
         composer = _Composer(made, Library(source), source.limits, root,
                              dict(tables) if isinstance(tables, dict) else {})
-        composer.scene(data, Context(
-            root, (), scope, data.get("templates"), root.to("templates"), home))
+        composer.scene(data, Context(root, (), scope, home))
         made.files = tuple(composer.library.read)
     return made
 
@@ -84,8 +81,8 @@ def merged(entry: Any, at: Context, places: Composed, inside: tuple[str, ...] = 
     """
     if not isinstance(entry, dict) or "like" not in entry:
         return entry
-    known = at.templates if isinstance(at.templates, dict) else {}
-    name = entry["like"]
+    known, name = at.place.source.data.get("templates"), entry["like"]
+    known = known if isinstance(known, dict) else {}
     with at.place.to("like").refusing():
         refuse_if(not isinstance(name, str), "'like' is the name of a template, not "
                   f"{kind_of(name)}", "bad-template")
@@ -97,7 +94,7 @@ def merged(entry: Any, at: Context, places: Composed, inside: tuple[str, ...] = 
                 "bad-template", f"there is no template {quoted(name)}",
                 allowed=listed(known) or "none: the scene has no templates",
                 hint=places.near(name, known))
-    home = at.home.to(name).copied(at.place)
+    home = replace(at.place, path=("templates", name))
     with home.refusing():
         refuse_if(not isinstance(known[name], dict), f"the template {quoted(name)} is "
                   f"{kind_of(known[name])}, not an object {{…}}", "bad-template")
@@ -209,9 +206,7 @@ class _Composer:
                 if isinstance(item, dict):
                     self.copies(out, merged(item, here, self.made), here)
                 else:
-                    if len(out) != number:
-                        self.made.put(out, len(out), here.place)
-                    out.append(self.value(item, here))
+                    self.append(out, self.value(item, here), here.place)
             except RefusedError as error:
                 self.refuse(error, (*at.trail, len(out)))
                 name = item.get("name") if isinstance(item, dict) and "repeat" not in item else None
@@ -335,8 +330,7 @@ class _Composer:
         _check_object(data.get("parameters", {}), root.to("parameters"))
         given = self.parameters(item, at, root)
         scope = Scope(tables=resolved_tables(tables, given), renamed={}).naming(given, braces=False)
-        inner = Context(root, at.trail, scope, data.get("templates"), root.to("templates"),
-                        (*at.files, path))
+        inner = Context(root, at.trail, scope, (*at.files, path))
         if tables is not None:
             _check_object(tables, root.to("tables"))
             inner = replace(inner, scope=replace(scope, renamed=self.renamed(

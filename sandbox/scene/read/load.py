@@ -30,7 +30,7 @@ from sandbox.scene.library import find_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_size
-from sandbox.scene.read.origins import Composed, Origin, Relocation
+from sandbox.scene.read.origins import Composed, Origin, relocated
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.scopes import Parameters, resolve_parameters, resolved_tables
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
@@ -81,8 +81,8 @@ class Loaded:
 
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
-        relocate = Relocation(self.mechanism, self.scene)
-        return [self.origins.located(relocate(problem)) for problem in problems]
+        return [self.origins.located(each)
+                for each in relocated([*problems], self.mechanism, self.scene)]
 
 
 def load_scene(
@@ -232,15 +232,14 @@ class _Loading:
             self.report(readable.located(problem) for problem in error.problems
                         if not readable.assumed or problem.code == "duplicate-name")
             readable.assumed |= {part.name for part in scene.parts}
-        relocate = Relocation(mechanism, scene)
         # of a scene that is too large other checks would take too much time
         too_large = check_limits(mechanism, self.source.limits)
-        for problem in too_large or [
-                *check_references(mechanism, assumed=readable.assumed, faulty=bool(self.problems)),
-                *check_ranges(mechanism)]:
-            self.report([readable.located(relocate(problem))])
-        for problem in () if too_large else check_units(mechanism):
-            found = readable.located(relocate(problem))
+        faults = too_large or [
+            *check_references(mechanism, assumed=readable.assumed, faulty=bool(self.problems)),
+            *check_ranges(mechanism)]
+        self.report(map(readable.located, relocated(faults, mechanism, scene)))
+        units = [] if too_large else [*check_units(mechanism)]
+        for found in map(readable.located, relocated(units, mechanism, scene)):
             path = written(self.composed.data, parse_path(found.path))  # as far as it is written
             self.report([replace(found, path=path_text(path))])
         return mechanism

@@ -6,25 +6,20 @@ repeat or an include, and the text of a file are each one step back.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
-from sandbox.elements.element import LISTS
 from sandbox.errors import Problem
-from sandbox.scene.document import Assembly, Scene
+from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.parts.expansion import Known, expand_parts
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.settings import ContactRule
 from sandbox.values.messages import fields_at
 from sandbox.values.paths import JsonPath, holds, parse_path, path_text
 from sandbox.wording import NearMisses, WrongValueError, quoted
-
-LAST = ("contacts", "groups")
-"""Lists of a mechanism in which the scene's own elements come last; in the others, first."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +40,6 @@ class Origin:
         """For messages of a file that is included here."""
         line, column = self.source.where(self.path)
         return f"included by {self.source.name}:{line}:{column}"
-
-    def copied(self, other: Origin) -> Origin:
-        """The same place in the copy of another place."""
-        return self if self.copy == other.copy else replace(self, copy=other.copy)
 
     def problem(self, code: str, message: str, **more: Any) -> Problem:
         """A problem of the value here."""
@@ -114,7 +105,7 @@ class Composed:
     def at(self, container: Any, step: str | int, place: Origin) -> Origin:
         """Where a child of a container at a place was written, in the copy of that place."""
         moved = self.of(container).get(step)
-        return moved.copied(place) if moved else place.to(step)
+        return replace(moved, copy=place.copy) if moved else place.to(step)
 
     def place(self, path: JsonPath) -> Origin:
         """Where the value at a path of the data was written."""
@@ -133,54 +124,19 @@ class Composed:
         return self.moved[id(container)][1] if id(container) in self.moved else {}
 
 
-class Relocation:
-    """From a path of the mechanism to the path of the scene that led to it."""
-
-    def __init__(self, mechanism: Mechanism, scene: Scene) -> None:
-        self.mechanism, self.scene = mechanism, scene
-
-    @cached_property
-    def _written(self) -> list[tuple[str, str, Any, JsonPath]]:
-        return list(_elements(self.scene, "", ()))
-
-    @cached_property
-    def _named(self) -> dict[tuple[str, str], JsonPath]:
-        return {(kind, name): path for kind, name, _, path in reversed(self._written)}
-
-    def __call__(self, problem: Problem) -> Problem:
-        """The problem with its path in the scene; of a part, the part's path."""
+def relocated(
+    problems: Sequence[Problem], mechanism: Mechanism, scene: Scene,
+) -> Iterator[Problem]:
+    """Problems of the mechanism with their paths in the scene; of a part, the part's path."""
+    paths = expand_parts(scene, Known()).paths if problems and mechanism is not scene else {}
+    for problem in problems:
         kind, index, *rest = (*parse_path(problem.path), "", "")
-        if kind not in LISTS or not isinstance(index, int):
-            return problem
-        elements, own = getattr(self.mechanism, str(kind)), len(getattr(self.scene, str(kind)))
-        first = len(elements) - own if kind in LAST else 0
-        if first <= index < first + own:
-            return replace(problem, path=path_text((kind, index - first, *rest[:-2])))
-        element = elements[index]
-        if isinstance(element, ContactRule):
-            path = next((path for kind, prefix, rule, path in self._written if kind == "contacts"
-                         and all(there in (here, f"{prefix}{here}") for here, there in zip(
-                             rule.between, element.between, strict=True))), None)
+        if kind not in paths or not isinstance(index, int):
+            yield problem
+            continue
+        path, name = paths[kind][index], getattr(getattr(mechanism, kind)[index], "name", "")
+        if path[-2] == kind:
+            yield replace(problem, path=path_text((*path, *rest[:-2])))
         else:
-            path = self._named.get((str(kind), element.name))
-        if path is not None:
-            return replace(problem, path=path_text((*path, *rest[:-2])))
-        name = getattr(element, "name", "")
-        message = problem.message if problem.element or not name else \
-            f"{quoted(name)}: {problem.message}"
-        while name and path is None:
-            path = self._named.get(("parts", name))
-            name = name.rpartition(".")[0]
-        return replace(problem, message=message, path=path_text(path or ("parts",)))
-
-
-def _elements(
-    holder: Scene | Assembly, prefix: str, path: JsonPath,
-) -> Iterator[tuple[str, str, Any, JsonPath]]:
-    """List, full name and path of each element and part, those of assemblies included."""
-    for kind in (*LISTS, "parts"):
-        for i, element in enumerate(getattr(holder, kind, ())):
-            here, name = (*path, kind, i), f"{prefix}{getattr(element, 'name', '')}"
-            yield kind, name, element, here
-            if isinstance(element, Assembly):
-                yield from _elements(element, f"{name}.", here)
+            named = f"{quoted(name)}: " if name and not problem.element else ""
+            yield replace(problem, message=f"{named}{problem.message}", path=path_text(path))

@@ -73,13 +73,12 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
     """A copy of the list that an element has from its template."""
     value: Any = data
-    nowhere = Origin(SceneSource({}))
+    here = Origin(SceneSource(data))
     for depth, step in enumerate(taken):
         value = value[step] if holds(value, step) else None
         if depth == 1 and isinstance(value, dict):
-            context = Context(nowhere, (), Scope(), data.get("templates"), nowhere)
             with contextlib.suppress(RefusedError):  # reading the scene reports it
-                value = merged(value, context, Composed({}, nowhere))
+                value = merged(value, Context(here, (), Scope()), Composed({}, here))
     refuse_if(not isinstance(value, list), f"there is no list {quoted(taken[-1])} there",
               "bad-override")
     return copy.deepcopy(value)

@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 from collections import ChainMap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from graphlib import TopologicalSorter
@@ -34,7 +34,7 @@ from sandbox.values.numbers import Coordinate, Pair, number_from, parameters_of
 from sandbox.values.paths import parse_path, path_text
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted, refuse_if
+from sandbox.wording import WrongValueError, kind_of, listed, quoted, refuse_if
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -139,40 +139,41 @@ def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Par
     values = ChainMap(found.values, {
         name: each for name, each in tables.items() if each is not None})
 
-    def refuse(name: str, error: WrongValueError, *, key: bool = False) -> None:
-        if key or not found.reads_failed(raw[name]):
-            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=key))
-        found.failed.add(name)
+    @contextlib.contextmanager
+    def refusing(name: str, *, key: bool = False) -> Iterator[None]:
+        try:
+            yield
+        except WrongValueError as error:
+            if key or not found.reads_failed(raw[name]):
+                found.problems.append(Problem.of(error, path_text(("parameters", name)), key=key))
+            found.failed.add(name)
 
     for name, value in raw.items():
-        try:
+        with refusing(name, key=True):
             check_name(name, "a parameter", {})
             known[name] = value
-        except WrongValueError as error:
-            refuse(name, error, key=True)
     for name, value in known.items():
         reads[name] = []
-        try:
+        with refusing(name):
             expression = ex.parse_expression(value) if ex.is_expression(value) else None
             reads[name] = sorted(expression.names) if expression else []
             for table in sorted(expression.tables) if expression else ():
                 refuse_if(tables.get(ex.call(table), table) is None, f"the table {quoted(table)} "
                           "reads parameters itself, so no parameter can use it", "invalid-name",
                           allowed="a table of plain numbers")
-        except WrongValueError as error:
-            refuse(name, error)
     for ring in ex.rings({name: [each for each in needed if each in known]
                           for name, needed in reads.items()}):
         start = ring.index(next(name for name in known if name in ring))
         ring = [*ring[start:], *ring[:start], ring[start]]
-        refuse(ring[0], WrongValueError("circular-definition", "parameters that depend on each "
-                                        f"other: {' → '.join(ring)}"))
+        with refusing(ring[0]):
+            refuse_if(ring, f"parameters that depend on each other: {' → '.join(ring)}",
+                      "circular-definition")
         found.failed.update(ring)
     for name in TopologicalSorter({name: () if name in found.failed else needed
                                    for name, needed in reads.items()}).static_order():
         if name not in known or name in found.failed:
             continue
-        try:
+        with refusing(name):
             for needed in reads[name]:
                 if needed not in known and needed not in found.failed:
                     raise ex.unknown_name(needed, known, but=name)
@@ -180,8 +181,6 @@ def resolve_parameters(raw: Mapping[str, Any], tables: Mapping[str, Any]) -> Par
                 found.values[name] = number_from(known[name], None, values)
             else:
                 found.failed.add(name)
-        except WrongValueError as error:
-            refuse(name, error)
     found.values = ex.NamedValues({name: found.values.get(name, PLACEHOLDER) for name in known})
     return found
 
@@ -224,7 +223,7 @@ def _count(value: Any, info: ValidationInfo) -> int:
     count, shown, maximum = 0.0, kind_of(value), (info.context or {})["maximum"]
     try:
         count = number_from(value, "ratio", parameters_of(info))
-        shown = number_text(count)
+        shown = f"{count:.6g}"
     except WrongValueError:
         if ex.is_expression(value):
             raise
