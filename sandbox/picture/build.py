@@ -110,7 +110,7 @@ def _seen(s: Subject) -> set[str]:
         "slack": slack.any(), "stop": joints.stopping(s)[some].any(),
         "holds": held.any(), "gone": not held.all(),
         "cut": any(s.largest_arrow(item["t"]) > item["most"] for item in s.out.items
-                   if item["k"] == "arrows" and item["l"] == "contacts")}
+                   if item["k"] == "arrows" and item["l"] in ("contacts", "drives", "loads"))}
     return {sign for sign in ROWS if found.get(sign, sign in s.signs)}
 
 

@@ -51,7 +51,7 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
             changes[key] = [changes[key]]
     data = {**view.model_dump(by_alias=True), **changes}
     try:
-        found = View.model_validate(data)
+        made = View.model_validate(data)
     except ValidationError as error:
         problems = {}
         for problem in explain(error, data, View):
@@ -60,10 +60,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
             problems[key] = f"{key}={quoted(given.get(key))}: " + str(WrongValueError(
                 problem.code, problem.message, allowed=allowed, hint=problem.hint))
         raise OutputError("\n".join(problems.values()), code="bad-picture") from None
-    (wide, high), (w, h) = found.size, view.size
-    if found.width is None or "width" in changes or wide * h <= w * high:
-        return found
-    return found.model_copy(update={"width": found.width * wide * h / (w * high)})  # all of it
+    (wide, high), (w, h) = made.size, view.size
+    if made.width is None or "width" in changes or wide * h <= w * high:
+        return made
+    return made.model_copy(update={"width": made.width * wide * h / (w * high)})  # all of it
 
 
 def check_view(run: Samples, view: View) -> None:

@@ -96,7 +96,8 @@ def test_curves_have_gaps_where_there_is_no_value_and_keep_their_peaks():
     x = np.linspace(0, 100, 10001)
     y = np.sin(x)
     y[5000], y[2000:3000] = 7.0, np.nan
-    pieces = list(_pieces(x, y))
-    assert [(piece[0][0], piece[0][-1]) for piece in pieces] == [(x[0], x[1999]), (x[3000], x[-1])]
-    assert max(piece[1].max() for piece in pieces) == 7.0
-    assert sum(len(piece[0]) for piece in pieces) < 300
+    pieces = list(_pieces(x, y, 10))
+    assert [(of[0], of[-1]) for of, _ in pieces] == [(10, 1999), (3000, 10000)]
+    assert all((points == np.column_stack((x, y))[of]).all() for of, points in pieces)
+    assert max(points[:, 1].max() for _, points in pieces) == 7.0
+    assert sum(len(of) for of, _ in pieces) < 300
