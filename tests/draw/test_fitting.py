@@ -7,6 +7,7 @@ from sandbox.errors import OutputError
 from sandbox.picture.bounds import ROOM, body_box, groups_of
 from sandbox.picture.options import view_of
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import View
 
 from .conftest import frames_of, recording
 
@@ -166,3 +167,12 @@ def test_the_picture_has_room_for_traces():
         mechanism = Mechanism.model_validate({"view": {"traces": traces}, "bodies": [
             {"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}]})
         assert body_box(recording(mechanism, TIME, pose)).size[0] == pytest.approx(width, rel=0.01)
+
+
+@pytest.mark.parametrize(("given", "width"), [
+    ({"size": (800, 300)}, 0.8), ({"size": (400, 600)}, 0.4), ({"size": "2x"}, 0.4),
+    ({"size": (800, 300), "width": 0.4}, 0.4)])
+def test_a_picture_of_another_shape_shows_all_of_the_window(given, width):
+    """0.4 m x 0.3 m at 400 x 300: twice as wide at the same height, unless the width is given."""
+    view = View.model_validate({"centre": [0, 0], "width": 0.4, "size": [400, 300]})
+    assert view_of(view, given).width == pytest.approx(width)
