@@ -22,7 +22,6 @@ from sandbox.figure.style import (
     BAND,
     BLUE,
     GREY,
-    HOLDS,
     INK,
     ORANGE,
     QUIET,
@@ -33,7 +32,7 @@ from sandbox.figure.style import (
 from sandbox.picture.palette import ROLES
 
 DOCS = Path(__file__).parent
-GRAVITY = 9.81
+GRAVITY, GREEN = 9.81, "#cfe0d6"
 
 
 def blank(figure: Any, box: tuple[float, float, float, float], x: Any, y: Any) -> Any:
@@ -176,7 +175,7 @@ def untrusted(path: Path) -> None:
         axes.add_patch(_box(x, 12, 26, 22, fill))
         axes.text(x + 13, 29, title, ha="center", va="center", fontsize=8.5, color=INK)
         axes.text(x + 13, 20, lines, ha="center", va="center", fontsize=7, color=QUIET)
-    for y, title, lines, fill in ((24, "a run", "limited in time", HOLDS),
+    for y, title, lines, fill in ((24, "a run", "limited in time", GREEN),
                                   (6, "errors", "one line each", BAND)):
         axes.add_patch(_box(95, y, 23, 14, fill))
         axes.text(106.5, y + 9, title, ha="center", va="center", fontsize=8.5, color=INK)

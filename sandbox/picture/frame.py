@@ -288,7 +288,6 @@ class Picture:
         instant = self.instant(1)
         instant.go_to(t)
         paper.clip(self.stage)
-        instant.paint(paper, still=True)
         instant.paint(paper)
         paper.clip(None)
         return instant

@@ -121,7 +121,6 @@ class Pixels:
     def grey(self, instant: Instant) -> NDArray[np.uint8]:
         """How bright a picture of only the instant is, [height, width] 0 to 255."""
         self.large.fill(BACKGROUND)
-        instant.paint(self, still=True)
         instant.paint(self)
         return pygame.surfarray.array_green(self.large).T
 
@@ -163,16 +162,12 @@ class Frames:
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
-        self._stage = stage = pygame.Rect(picture.stage[:2], picture.stage.size)
+        self._stage = pygame.Rect(picture.stage[:2], picture.stage.size)
         self._meters = [meter.cell.inflate([2 * picture.panel.margin] * 2).clip((0, 0, *self.size))
                         for meter in picture.panel.meters]
         self._written: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
-        self.instant.go_to(float(picture.run.time[0]))
-        painter.large.set_clip([v * enlarge for v in stage])
-        self.instant.paint(painter, still=True)
-        painter.large.set_clip(None)
         picture.surround(painter, self.instant)
         self._meter_texts = [text for text in painter.texts
                              if any(rect.collidepoint(text[1]) for rect in self._meters)]

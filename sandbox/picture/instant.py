@@ -57,12 +57,10 @@ class Instant:
         self._ramps = {name: [[rgb(c) for c in side] for side in sides]
                        for name, sides in out.ramps.items()}
         self._glyphs = {name: self.glyph(name) for name in out.glyphs}
-        self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
         self.px: Any = np.zeros((0, 2))  # all points [pixels]
         self.points: list[XY] = []  # the same, made when they are painted
         self.wild = False  # whether a point is far outside of the picture, or not finite
         self.texts: list[tuple[Item, int]] = []
-        self._still: list[Plan] = []
         self._plans: list[Plan] = []
         self._places: list[Sequence[float]] = []  # frame, x, y and offset of all points
         for item in out.items:
@@ -97,16 +95,7 @@ class Instant:
             kind, at = self._outline(item)
         elif kind == "trail":
             at += self._trail_marks(item)
-        plan = item.get("if", 1.0), partial(getattr(self, f"_{kind}"), item, at)
-        frames = [item["f"]] if "f" in item else [point[0] for point in points]
-        (self._plans if self._plans or not self._stays(item, frames) else self._still).append(plan)
-
-    def _stays(self, item: Item, frames: Sequence[int]) -> bool:
-        numbers = [item.get(key) for key in ("if", "by", "state", "wide", "turn")]
-        numbers += [d["c"][4] for d in item.get("d", ()) if isinstance(d, dict)]
-        return (self.out.drift is None and item["k"] in ("path", "line", "mark", "span")
-                and not any(isinstance(number, list) for number in numbers)
-                and not self._moves[frames].any())
+        self._plans.append((item.get("if", 1.0), partial(getattr(self, f"_{kind}"), item, at)))
 
     def go_to(self, t: float) -> None:
         """Set the time [s]: interpolate poses and columns, and project all points."""
@@ -168,10 +157,10 @@ class Instant:
         first = self._first[item["t"]]
         return self.out.tables[item["t"]][first[self.sample]:first[self.sample + 1]]
 
-    def paint(self, painter: Painter, *, still: bool = False) -> None:
-        """Paint moving items, or the ``still`` ones, which lie behind all others."""
+    def paint(self, painter: Painter) -> None:
+        """Paint all items."""
         self.points = self.points or self.px.tolist()
-        for shown, plan in self._still if still else self._plans:
+        for shown, plan in self._plans:
             if self.value(shown) > 0.5:
                 plan(painter)
 
