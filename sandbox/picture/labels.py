@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5.0  # side of the cells whose ink is measured [points]
-TURNED, OFF, INK, HIDDEN, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 2.0, 4.0
-"""Costs per sample: angle to the arrow, standing off, black cell, part of an arrow, label,
-outside."""
+TURNED, OFF, INK, HIDDEN, ASTRAY, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 1.0, 2.0, 4.0
+"""Costs per sample: angle to the arrow, standing off, black cell, part of an arrow, tip that is
+nearer than its own, label, outside."""
 PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])  # places along an arrow that labels leave visible
 MOST, FEW = 24, 6  # numbers in a picture, in a small or crowded one
 SMALL, CROWDED = 500, 48  # width of a small picture [pixels], texts of a crowded one
@@ -60,6 +60,7 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
     arrows = np.concatenate([np.zeros((len(some), 0, 2)), *(
         one.rows[:, None, :2] - PARTS[:, None] * one.rows[:, None, 2:]
         for one in seen if one.size > 0)], axis=1)
+    tips = np.stack([one.rows[:, :2] for one in seen], axis=1) if seen else arrows
     count = sum(np.isfinite(one.rows[:, 0]).mean() for one in seen)
     numbers, maximum = 0, FEW if size[0] < SMALL or count > CROWDED else MOST
     for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
@@ -72,7 +73,7 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         boxes = np.concatenate((middles - box, middles + box), axis=2)
         present = np.isfinite(one.rows[:, 0])
         free = present & ~_outside(boxes, stage) & ~_meet(boxes[:, None], placed).any(axis=1)
-        cost = _costs(one, boxes, placed, arrows, covered, stage, cell)
+        cost = _costs(one, boxes, placed, arrows, tips, covered, stage, cell)
         cost[free.sum(axis=1) < 0.25 * present.sum()] = np.inf  # a side with too little room
         side = int(np.argmin(cost))
         there = free[side] & np.isfinite(cost[side])
@@ -116,8 +117,8 @@ def _look(instant: Instant, some: Integers, type_: Typesetter,
     return list(seen.values()), covered.cumsum(axis=1).cumsum(axis=2)
 
 
-def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Array,
-           stage: Rectangle, cell: float) -> Array:
+def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, tips: Array,
+           covered: Array, stage: Rectangle, cell: float) -> Array:
     """What each side costs in all samples together."""
     cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // cell).astype(int)
     x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
@@ -128,6 +129,9 @@ def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Arra
             + covered[rows, y0, x0])
     cost += HIDDEN * ((arrows > boxes[:, :, None, :2]) & (arrows < boxes[:, :, None, 2:])).all(
         axis=3).sum(axis=2)
+    if one.size > 0:
+        own = _gap(boxes, one.rows[:, None, :2]) - 1.0
+        cost += ASTRAY * (_gap(boxes, tips) < own).sum(axis=2)
     cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
     cost += OUTSIDE * _outside(boxes, stage)
     away = one.rows[:, 2:4]
@@ -135,6 +139,12 @@ def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, covered: Arra
     unit = away / np.where(size > 0, size, 1.0)[:, None]
     cost += np.array([TURNED * (1 - unit @ (dx, -dy)) + OFF * (far > 0) for dx, dy, far in SIDES])
     return np.asarray(np.where(np.isfinite(one.rows[:, 0]), cost, 0.0).sum(axis=1))
+
+
+def _gap(boxes: Array, points: Array) -> Array:
+    """Distances of boxes [sides, samples, 4] to points [samples, k, 2], [sides, samples, k]."""
+    low, high = boxes[:, :, None, :2] - points, points - boxes[:, :, None, 2:]
+    return np.asarray(np.hypot(*np.moveaxis(np.maximum(np.maximum(low, high), 0.0), -1, 0)))
 
 
 def _outside(boxes: Array, stage: Rectangle) -> Flags:

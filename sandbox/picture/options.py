@@ -37,9 +37,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: value.tolist() if hasattr(value, "tolist") else list(value) if isinstance(
         value, tuple) else value for key, value in given.items()
                if value is not None and not (key == "size" and paper_of(value))}
-    with suppress(ValueError, OverflowError):  # View refuses these as they are
+    with suppress(ValueError):  # View refuses it as it is
         if "show" in changes:
             changes["show"] = {**view.show, **parse_layers(changes["show"])}
+    with suppress(ValueError, OverflowError):
         if found := re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", str(changes.get("size"))):
             changes["size"] = tuple(round(float(found[1]) * v) for v in view.size)
     if "bodies" in changes or "follow" in changes:  # the scene's window is of another picture

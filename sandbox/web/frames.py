@@ -77,7 +77,8 @@ class LiveFrames:
         self._subject, self._scale = self._full, self._full.carried
         self._still: dict[Callable[[Subject], None], tuple[list[Item], list[Any]]] = {}
         """Items and keys of elements without columns, tables or frames."""
-        self._items, self._sent = list[Item](), list[Item]()  # as they are listed; of the page
+        self._items = list[Item]()  # as they are listed
+        self._sent: tuple[list[Item], list[Item]] = [], []  # items and legend of the page
         self._steps = 0  # number of steps up to the last frame
         self._travel = np.zeros(len(live.scene.drives))
         """The integral of each drive's value over these: the travel of surfaces."""
@@ -124,13 +125,14 @@ class LiveFrames:
                        if name in self.units}, **self.units, **self._pairs()}}
 
     def _list(self) -> dict[str, Any]:
-        self._sent = self._subject.out.items
+        self._sent = self._subject.out.items, self._subject.out.legend
         return page_list(self._subject.out)
 
     def relisted(self) -> dict[str, Any] | None:
         """The display list if it has other items than the page knows, else None."""
         self._update()
-        return None if self._subject.out.items == self._sent else self._list()
+        out = self._subject.out
+        return None if (out.items, out.legend) == self._sent else self._list()
 
     def frame(self, numbers: Sequence[float]) -> bytes:
         """The present instant, after :meth:`relisted`; ``numbers`` of HEAD but ``trail``."""
@@ -184,9 +186,9 @@ class LiveFrames:
         else:
             out.share_styles(before.out)
         carried = tensions_of(run, bars_of(run, before.layers.get("bars", ())))
-        carried = carried.beside([self._scale])
-        s = replace(before, run=run, out=out, keys=[], carried=carried
-                    if "tensions" in before.layers else carried.hidden())
+        self._scale, old = carried.beside([self._scale]), self._scale.largest  # it only grows
+        s = replace(before, run=run, out=out, keys=[], carried=self._scale
+                    if "tensions" in before.layers else self._scale.hidden())
         for add in ELEMENTS:
             count, sizes = len(out.items), out.sizes
             if known := self._still.get(add):
@@ -194,13 +196,13 @@ class LiveFrames:
                 s.keys += known[1]
             else:
                 add(s)
-                if out.sizes == sizes:
+                if out.sizes == sizes and len(out.items) > count:
                     self._still[add] = out.items[count:], s.keys[count:]
-        if out.items == self._items:  # the order may differ
+        if out.items == self._items and self._scale.largest == old:  # the order may differ
             out.items, out.legend = before.out.items, before.out.legend
         else:
             self._items = out.items
-            add_legend(s, carried)
+            add_legend(s, self._scale)
             s.close()
         return s
 

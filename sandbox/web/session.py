@@ -222,7 +222,7 @@ class Session:
             case {"layers": list(names)}:
                 self._layers = self.frames.layers = set(map(str, names))
                 return []
-            case {"speed": speed}:
+            case {"speed": int() | float() as speed} if speed is not True:
                 self.speed = min(MAX_SPEED, max(MIN_SPEED, speed))
             case {"save": "scene"}:
                 made = self.live.played()
@@ -279,14 +279,18 @@ class Session:
 
     def _set(self, name: str, value: Any) -> list[Answer]:
         """Set a parameter: at once if only drives and targets depend on it, else begin again."""
+        known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
+        if name not in known:
+            raise WrongValueError("name-not-found", f"there is no parameter {quoted(name)}",
+                                  allowed=listed(known), hint=near(name, known))
         wanted = {**self.overrides, name: value}
         found = self._read(wanted)
         loaded, key = found.loaded, name.removeprefix(PARAMETER)
         was, now = (getattr(each.scene.parameters[key], "unit", "")
                     for each in (self.loaded, loaded))
-        refuse_if(was and now and dimension_of(was) != dimension_of(now),
-                  f"{quoted(key)} is no {now and dimension_of(now)}", "wrong-unit",
-                  allowed=was and listed(units_of(dimension_of(was))))
+        if was and now and dimension_of(was) != dimension_of(now):
+            raise WrongValueError("wrong-unit", f"{quoted(key)} is no {dimension_of(now)}",
+                                  allowed=listed(units_of(dimension_of(was))))
         given = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
         if given is None or self.live.finished:
             self._open(found, QUICK_LOOK)

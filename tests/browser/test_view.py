@@ -86,8 +86,8 @@ def test_it_runs_is_pulled_ends_steps_back_and_resets(served):
     assert np.abs(pose(tab, "finger2.distal") - before).max() > 0.005
     tab.mouse.up()
     assert "The scene ends at 2 s." in tab.evaluate("sandbox.state.value")
+    until(tab, "Math.abs(sandbox.frame.t - 2) < 1e-3")  # the frames before may still come
     there, before = tab.evaluate("sandbox.frame.t"), pose(tab, "finger1.distal")
-    assert there == pytest.approx(2.0, abs=1e-3)
     set_typed(tab, "parameters.pull", "22 N")
     tab.click("#step")
     # a quarter of the pull each

@@ -139,3 +139,23 @@ def test_marks_of_a_belt_go_as_far_as_its_speed_says() -> None:
         places.append((found["pose"][found["items"][0]["at"][0]][0], frames.live.time))
     (x0, t0), _, (x1, t1) = places
     assert abs(x1 - x0) == pytest.approx(t1**2 - t0**2, rel=0.01)
+
+
+def test_what_begins_late_is_listed_and_a_larger_tension_extends_the_scale() -> None:
+    """The trial run has no force: nothing moves and the rod carries nothing."""
+    frames = begun(mechanism(
+        bodies=[fixed("wall"), {"name": "bob", "at": (0.0, -0.2), "mass": 1.0, "inertia": 1e-3}],
+        joints=[{"type": "rod", "name": "rod", "a": "wall", "b": "bob"}],
+        drives=[{"type": "force", "name": "pull", "body": "bob", "direction": [0.6, -0.8],
+                 "value": 0.0}]))
+    frames.layers = {"velocity", "tensions"}
+    scales = []
+    for pull in (0.0, 10.0, 100.0, 10.0):
+        frames.live.give("pull", pull)
+        frames.live.step(STEPS)
+        told(frames)
+        rows = frames.drawing()["list"]["legend"]
+        scales.append([float(row["after"].split()[-2]) for row in rows if row["k"] == "ramp"])
+        assert any(row["l"] == "velocity" for row in rows) == (pull > 0 or len(scales) > 1)
+    assert scales[0] == []
+    assert 8.0 <= scales[1][0] <= 20.0 < 80.0 <= scales[2][0] == scales[3][0]

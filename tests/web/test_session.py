@@ -232,7 +232,7 @@ def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("message", "said"), [
     ({"set": "winhc", "value": 1.0}, "did you mean 'winch'"),
     ({"set": "winch", "value": "fast"}, "not a number with a unit"),
-    ({"set": "parameters.pul", "value": 1}, "did you mean 'pull'"),
+    ({"set": "parameters.pul", "value": 1}, "did you mean 'parameters.pull'"),
     ({"set": "parameters.pull", "value": "3 mm"}, "unit of length"),
     ({"set": "parameters.load", "value": -1}, "mass"),
     ({"set": "parameters.pull", "value": [1]}, "expected a number"),

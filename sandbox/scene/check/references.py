@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from itertools import accumulate
 
 from sandbox.elements import element as base
@@ -145,9 +145,10 @@ class _References:
                     yield base.no_mesh(name, f"$.events[{i}].take_up[{j}]")
         for place, reference, name in base.references(view, "$.view"):
             yield from self.target(type(view), reference, name, place)
+        groups = [group.name for group in mechanism.groups]
         for i, pattern in enumerate(view.bodies):
-            if not any(fnmatch.fnmatchcase(group.name, pattern) for group in mechanism.groups):
-                yield from self._seen(pattern, f"$.view.bodies[{i}]")
+            if not any(fnmatch.fnmatchcase(group, pattern) for group in groups):
+                yield from self._seen(pattern, f"$.view.bodies[{i}]", groups)
         for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():
                 yield from self._seen(pattern, f"$.view.show.{layer}")
@@ -168,17 +169,18 @@ class _References:
                                   f"$.expect[{i}].{expect.key}", hint=self.near(name, whole)
                                   if whole else self.near(name.split(".")[0], words))
 
-    def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
+    def _seen(self, pattern: str, path: str, groups: Sequence[str] = ()) -> Iterator[Problem]:
         if not pattern.startswith(BY_ROLE):
-            yield from self._fitting(pattern, path)
+            yield from self._fitting(pattern, path, groups)
         elif not self.assumed and not meant([pattern], self.mechanism.bodies):
             roles = dict.fromkeys(BY_ROLE + body.role for body in self.mechanism.bodies)
             yield Problem("name-not-found",
                           f"no body has the role {quoted(pattern.removeprefix(BY_ROLE))}", path,
                           allowed=listed(roles), hint=self.near(pattern, roles))
 
-    def _fitting(self, pattern: str, path: str, *, load: bool = False) -> Iterator[Problem]:
-        """A pattern of bodies that fits none; of a load, none that moves freely."""
+    def _fitting(self, pattern: str, path: str, groups: Sequence[str] = (), *,
+                 load: bool = False) -> Iterator[Problem]:
+        """A pattern of bodies, or ``groups``, that fits none; of a load, none that moves freely."""
         if self.is_assumed(pattern) or (self.assumed and "*" in pattern):
             return  # a body that could not be read may fit
         fits = re.compile(fnmatch.translate(pattern) if is_pattern(pattern) else "(?!)").match
@@ -186,10 +188,11 @@ class _References:
         free = [body.name for body in self.mechanism.bodies if body.motion == "dynamic"]
         if not found:
             grouped = any(group.name == pattern for group in self.mechanism.groups)
+            names = [*groups, *self.known["bodies"]]
             hint = "'*', every body that moves freely" if load and pattern == "all" else (
-                f"'{pattern}.*'" if grouped else self.near(pattern, self.known["bodies"]))
+                f"'{pattern}.*'" if grouped else self.near(pattern, names))
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
-                          allowed=listed(free if load else self.known["bodies"]), hint=hint)
+                          allowed=listed(free if load else names), hint=hint)
         elif load and all(body.motion != "dynamic" for body in found):
             yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
                           path, allowed=listed(free) or "none: no body moves freely")

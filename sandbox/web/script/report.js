@@ -51,16 +51,17 @@ class Report extends Viewer {
   // -- time ------------------------------------------------------------------------------------------
   redraw() {
     const texts = !this.playing || this.filming || ++this.drawn % 3 === 0;   // of a motion in every third frame
-    const frames = this.runs.map((run) => run.frame(this.t)), now = this.now = texts ? `${this.t.toFixed(3)} s` : this.now;
+    const frames = this.runs.map((run) => run.frame(this.t));
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
     const ghosts = this.stages.slice(seen.length).map(({ list }, k) => ({ list, frame: frames[k + 1], colour: inkOf(k + 1) }));
     for (const stage of seen) stage.resize();
     const lines = Math.max(...seen.map((stage) => stage.lines));
     seen.forEach((stage, i) => {                          // drawings beside each other stand at one height
-      Object.assign(stage, { lines, stamp: `t = ${now}`, keepTexts: !texts, moving: this.playing });
+      Object.assign(stage, { lines, keepTexts: !texts, moving: this.playing });
+      if (texts) stage.stamp = `t = ${Math.min(this.t, this.runs[i].last).toFixed(3)} s`;
       stage.draw(frames[i], ghosts);
     });
-    if (texts) { this.scrub.value = this.t; this.clock.textContent = now; }
+    if (texts) { this.scrub.value = this.t; this.clock.textContent = `${this.t.toFixed(3)} s`; }
     for (const one of this.plots) one.at(this.t, texts);
     if (this.filming) this.filming.frame();
   }

@@ -5,7 +5,7 @@ const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; 
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
-const TURNS = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // from the side of a label to others, near ones first
+const TURNS = [0, 8, 1, 7, 9, 15, 2, 6, 10, 14, 3, 5, 11, 13, 4, 12];   // by eighths of a turn, 8 more with a line: from a side to others, near ones first
 const CIRCLE = { c: [0, 0, 0, 0] };
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
@@ -274,7 +274,7 @@ class Stage {
       if (number && numbers >= most) continue;
       let side = kept ?? own, at = this.spot(word, side, taken);
       if (!at && place && !(this.moving && kept !== undefined)) {   // the nearest side with room, which it keeps during a motion
-        side = TURNS.map((k) => (own & 8 ^ k & 8) + (own + k) % 8).find((one) => (at = this.spot(word, one, taken)));
+        side = TURNS.map((k) => ((own ^ k) & 8) + (own + k) % 8).find((one) => (at = this.spot(word, one, taken)));
       }
       if (!at) continue;
       if (place && kept !== side) this.turned.set(place, side);
