@@ -45,6 +45,7 @@ METADATA: dict[str, dict[str, Any]] = {
     ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}}
 """Of files, by their suffix: no dates, versions and random ids."""
 MANY_MM = 0.5  # lengths below this [m] are shown in millimetres
+PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))  # units by size [Pa]
 
 
 class Shown(NamedTuple):
@@ -58,10 +59,18 @@ class Shown(NamedTuple):
         return (f"{name} [{self.unit}]" if self.unit else name).strip()
 
 
+def pressure_unit(largest: float) -> tuple[float, str]:
+    """The unit of pressures up to ``largest`` [Pa]: its size [Pa] and its name."""
+    return next(((f, u) for f, u in PRESSURES if largest >= 0.9995 * f), PRESSURES[-1])
+
+
 def shown_as(unit: str, *rows: Array) -> Shown:
-    """Angles in degrees, lengths in mm if all ``rows`` [SI] are small, everything else in SI."""
+    """Angles in degrees, pressures and small lengths by the size of ``rows`` [SI], others in SI."""
     if unit in ("rad", "rad/s"):
         return Shown(180 / math.pi, unit.replace("rad", "deg"))
+    if unit == "Pa":
+        pascals, name = pressure_unit(max(np.nanmax(np.abs(row), initial=0.0) for row in rows))
+        return Shown(1 / pascals, name)
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
         return Shown(1e3, "mm")
     return Shown(1.0, "" if unit == "1" else unit)

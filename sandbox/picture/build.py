@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from sandbox.figure.style import pressure_unit
 from sandbox.picture import scales
 from sandbox.picture.bounds import drift
 from sandbox.picture.elements import bodies, drives, forces, joints, notes, tendons
@@ -87,7 +88,7 @@ def add_legend(s: Subject, carried: scales.Tensions) -> None:
                     instead="tensions" if layer == "bars" else "")
     if "pressure" in s.signs and "tendons" in s.layers:
         largest = max(map(tendons.largest_pressure, (s.run, *s.beside)))
-        pascals, unit = scales.pressure_unit(largest)
+        pascals, unit = pressure_unit(largest)
         add("ramp", "tendons", ramp="load", low=0, before="pressure 0",
             after=f"{largest / pascals:.4g} {unit}")
     for name, sign in ROWS.items():

@@ -15,7 +15,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.picture import palette
 from sandbox.picture.listing import read_curve
 from sandbox.picture.palette import Colour, Painter
-from sandbox.picture.scales import pressure_unit, round_length, round_up
+from sandbox.picture.scales import round_length
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ShownMeter, View
@@ -40,12 +40,7 @@ class Meter:
         rows = np.array([read_curve(run, name) for name in names]).reshape(-1, len(run.time))
         unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
         scaled = rows if meter.range is None else np.array(meter.range)
-        if unit == "Pa":  # in the unit of the drawing; other quantities in those of plots
-            largest = float(np.nanmax(np.abs(scaled), initial=0.0))
-            pascals, unit = pressure_unit(round_up(largest) if largest > 0 else 0.0)
-            factor = 1 / pascals
-        else:
-            factor, unit = shown_as(unit, *np.atleast_2d(scaled))
+        factor, unit = shown_as(unit, *np.atleast_2d(scaled))
         self.sign = "°" if unit == "deg" else f" {unit}".replace("^2", "²").replace("^3", "³")
         self.values = factor * rows
         self.low, self.high = _range(self.values) if meter.range is None else (

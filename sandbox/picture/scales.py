@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.figure.style import pressure_unit
 from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.listing import RunData
@@ -25,7 +26,6 @@ REFERENCE, LONGEST = 0.085, 1.5
 IMPACT = 5.0  # minimum ratio of an impact to the forces of its pair a sample before and after
 UNLOADED = 1e-3  # links below this are unloaded [tops of the scale]
 SLACK_FRACTION, UNSEEN = 1e-6, 1e-5  # slack, and without colour [tops of the scale]
-PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
 class ForceScale(NamedTuple):
@@ -106,11 +106,6 @@ def force_scale(run: RunData, width: float, view: View | None = None) -> ForceSc
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
     """The scale for several pictures: that of the largest sizes."""
     return max(scales, key=lambda scale: scale.reference)
-
-
-def pressure_unit(largest: float) -> tuple[float, str]:
-    """The unit of pressures up to ``largest`` [Pa]: its size [Pa] and its name."""
-    return next(((f, u) for f, u in PRESSURES if largest >= 0.9995 * f), PRESSURES[-1])
 
 
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:

@@ -49,7 +49,8 @@ START = ('\nawait report(document.querySelector("main"),'
          ' [...document.querySelectorAll("script[data-run]")]);\n')
 MODULES = ("data.js", "stage.js", "items.js", "plots.js", "shell.js", "report.js")
 """In this order: each uses those before it."""
-CONSTANTS = f"const MANY_MM = {style.MANY_MM}, TURN = {style.STROKE};"
+CONSTANTS = (f"const MANY_MM = {style.MANY_MM}, TURN = {style.STROKE}, "
+             f"PRESSURES = {json.dumps(style.PRESSURES)};")
 """Constants that the script shares with figures."""
 
 

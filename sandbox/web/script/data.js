@@ -149,8 +149,9 @@ function shownAs(unitName, most) {
   if (unitName === "rad") return { factor: 180 / Math.PI, unit: "deg", sign: "\u00b0" };
   if (unitName === "rad/s") return { factor: 180 / Math.PI, unit: "deg/s", sign: " deg/s" };
   if (unitName === "m" && most < MANY_MM) return { factor: 1e3, unit: "mm", sign: " mm" };
-  const unit = unitName === "1" ? "" : unitName;
-  return { factor: 1, unit, sign: unit && ` ${unit}` };
+  const [size, unit] = unitName !== "Pa" ? [1, unitName === "1" ? "" : unitName]
+    : PRESSURES.find(([pascals]) => most >= 0.9995 * pascals) ?? PRESSURES.at(-1);
+  return { factor: 1 / size, unit, sign: unit && ` ${unit}` };
 }
 
 // The largest absolute value; 0 if there is none.
