@@ -172,7 +172,7 @@ class Picture:
                                   width=bounds.width_shown(bodies, width / height, view.width))
         self.out = self.subject.out
         self.box = bounds.whole_box(self.out, run, bodies, view, moments)
-        most = 0 if bare and not scales else 1 if self.small else 4 if least else 2  # of the legend
+        most = 0 if bare and not scales else 4 if least else 2  # rows of the legend
         rows = min(1, most)
         for _ in range(3):
             self._place_camera(rows * self.row + (self.pad if rows else 0))
