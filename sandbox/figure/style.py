@@ -69,7 +69,8 @@ def shown_as(unit: str, *rows: Array) -> Shown:
     if unit in ("rad", "rad/s"):
         return Shown(180 / math.pi, unit.replace("rad", "deg"))
     if unit == "Pa":
-        pascals, name = pressure_unit(max(np.nanmax(np.abs(row), initial=0.0) for row in rows))
+        pascals, name = pressure_unit(max(
+            (np.nanmax(np.abs(row), initial=0.0) for row in rows), default=0.0))
         return Shown(1 / pascals, name)
     if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
         return Shown(1e3, "mm")

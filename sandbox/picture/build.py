@@ -52,11 +52,11 @@ RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
                         for k in range(STEPS)] for end in ("slack", "drive")]}
 """The ramps of loads (push and pull) and of driven stiffness."""
 ELEMENTS: tuple[Callable[[Subject], None], ...] = (
-    notes.add_liquids, bodies.add_bodies, bodies.add_stalks, bodies.add_wheels, joints.add_joints,
-    joints.add_links, joints.add_grounds, joints.add_stops, joints.add_latches, joints.add_springs,
-    joints.add_bars, drives.add_belts, tendons.add_fluids, tendons.add_cables, notes.add_traces,
-    notes.add_axes, forces.add_pressure, forces.add_contacts, forces.add_loads, forces.add_vectors,
-    drives.add_drives, notes.add_names,
+    notes.add_liquids, bodies.add_bodies, bodies.add_anchor_lines, bodies.add_wheels,
+    joints.add_joints, joints.add_links, joints.add_grounds, joints.add_stops, joints.add_latches,
+    joints.add_springs, joints.add_bars, drives.add_belts, tendons.add_fluids, tendons.add_cables,
+    notes.add_traces, notes.add_axes, forces.add_pressure, forces.add_contacts, forces.add_loads,
+    forces.add_vectors, drives.add_drives, notes.add_names,
 )
 """The functions that add items to a list; a new kind of element is one more."""
 

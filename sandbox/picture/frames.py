@@ -12,7 +12,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.picture.geometry import XY, bar
+from sandbox.picture.geometry import XY, thick_line
 from sandbox.picture.instant import Instant
 from sandbox.picture.palette import BACKGROUND, Colour, Ink, Rings, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter
@@ -73,7 +73,7 @@ class Pixels:
             pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
             return
         for start, end in pairwise(path):
-            self._polygon(ink, bar(start, end, width))
+            self._polygon(ink, thick_line(start, end, width))
         for joint in path[1:-1]:
             pygame.draw.circle(self.large, ink, joint, width / 2)
 

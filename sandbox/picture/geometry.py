@@ -17,7 +17,7 @@ from sandbox.scene.geometry import corners, solids
 
 XY = tuple[float, float]
 Edges = tuple[float, float, float, float]  # left, top, right, bottom [pixels]
-FAR = 1e12  # coordinates beyond this are moved there [pixels]
+MAX_COORDINATE = 1e12  # coordinates beyond this are moved there [pixels]
 TOUCHING = 1e-7  # shapes that are no farther apart touch [m]
 
 
@@ -113,7 +113,7 @@ def dashes(path: Sequence[XY], dash: float, gap: float) -> list[list[XY]]:
     return pieces
 
 
-def bar(start: XY, end: XY, width: float) -> list[XY]:
+def thick_line(start: XY, end: XY, width: float) -> list[XY]:
     """The corners of a straight line of some ``width``."""
     a, b = complex(*start), complex(*end)
     side = 0.5j * width * (b - a) / (abs(b - a) or 1.0)
@@ -132,7 +132,7 @@ def cut_polygon(corners: Sequence[XY], edges: Edges) -> list[XY]:
         return [*corners]
     if np.isnan(corners).any():
         return []
-    found: list[XY] = np.clip(corners, -FAR, FAR).tolist()
+    found: list[XY] = np.clip(corners, -MAX_COORDINATE, MAX_COORDINATE).tolist()
     for axis, limit, sign in ((0, edges[0], 1), (1, edges[1], 1), (0, edges[2], -1),
                               (1, edges[3], -1)):
         before, found = found, []
@@ -159,11 +159,11 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
     """The visible part of a far larger circle as a polygon; none if a number is NaN."""
     left, top, right, bottom = edges
-    x, y = np.clip(centre, -FAR, FAR).tolist()
+    x, y = np.clip(centre, -MAX_COORDINATE, MAX_COORDINATE).tolist()
     way = (left + right) / 2 - x, (top + bottom) / 2 - y
     reach, distance = math.hypot(right - left, bottom - top) / 2, math.hypot(*way)
     spread = math.asin(reach / distance) if distance > reach else math.pi
     angle = math.atan2(way[1], way[0]) + spread * np.linspace(-1.0, 1.0, 129)
-    size = min(radius, FAR)
+    size = min(radius, MAX_COORDINATE)
     return cut_polygon([(x, y), *zip((x + size * np.cos(angle)).tolist(),
                                      (y + size * np.sin(angle)).tolist(), strict=True)], edges)

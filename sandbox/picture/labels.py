@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 HOLD = 0.35  # minimum time that a label is visible or hidden [s of the film]
 CELL = 5.0  # side of the cells whose ink is measured [points]
-TURNED, OFF, INK, HIDDEN, ASTRAY, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 1.0, 2.0, 4.0
+TURNED, OFF, INK, HIDDEN, OTHER_TIP, CROSSED, OUTSIDE = 0.02, 0.5, 0.3, 0.4, 1.0, 2.0, 4.0
 """Costs per sample: angle to the arrow, standing off, black cell, part of an arrow, tip that is
 nearer than its own, label, outside."""
 PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])  # places along an arrow that labels leave visible
-MOST, FEW = 24, 6  # numbers in a picture, in a small or crowded one
+MAX_NUMBERS, SMALL_NUMBERS = 24, 6  # numbers in a picture, in a small or crowded one
 SMALL, CROWDED = 500, 48  # width of a small picture [pixels], texts of a crowded one
 
 
@@ -62,7 +62,8 @@ def place_labels(out: Listing, camera: Camera, point: float, size: tuple[int, in
         for one in seen if one.size > 0)], axis=1)
     tips = np.stack([one.rows[:, :2] for one in seen], axis=1) if seen else arrows
     count = sum(np.isfinite(one.rows[:, 0]).mean() for one in seen)
-    numbers, maximum = 0, FEW if size[0] < SMALL or count > CROWDED else MOST
+    small = size[0] < SMALL or count > CROWDED
+    numbers, maximum = 0, SMALL_NUMBERS if small else MAX_NUMBERS
     for one in sorted(seen, key=lambda one: (one.item.get("rank", 1), -one.size)):
         is_number = "value" in one.item or one.item["k"] != "text"
         if is_number and numbers >= maximum:
@@ -131,7 +132,7 @@ def _costs(one: _Seen, boxes: Array, placed: Array, arrows: Array, tips: Array,
         axis=3).sum(axis=2)
     if one.size > 0:
         own = _gap(boxes, one.rows[:, None, :2]) - 1.0
-        cost += ASTRAY * (_gap(boxes, tips) < own).sum(axis=2)
+        cost += OTHER_TIP * (_gap(boxes, tips) < own).sum(axis=2)
     cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
     cost += OUTSIDE * _outside(boxes, stage)
     away = one.rows[:, 2:4]

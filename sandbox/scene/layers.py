@@ -61,7 +61,7 @@ LAYERS: Mapping[str, Layer] = {
 }
 """By name; those shown by default first."""
 PASSES: Mapping[str, str] = {
-    "rails": "joints", "stalks": "bodies", "links": "joints", "bodies": "bodies",
+    "rails": "joints", "anchor lines": "bodies", "links": "joints", "bodies": "bodies",
     "grooves": "joints", "wheels": "tendons", "belts": "drives", "bars": "bars",
     "traces": "traces", "fluids": "tendons", "springs": "springs", "stops": "joints",
     "grounds": "joints", "marks": "drives", "latches": "joints", "pins": "joints",

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.cli.options import PICTURES
-from sandbox.figure.style import METADATA
 from sandbox.recording.recording import Recording
 from tests.samples.controlled import recording
 
@@ -30,7 +28,6 @@ def test_quantities_of_one_run(runs):
     responses = {q["quantity"]: q["response"] for q in message["runs"][0]["quantities"]}
     assert responses["finger.mcp.angle"]["settling"] == pytest.approx(0.9905, abs=1e-4)
     assert responses["finger.dip.angle"]["settling"] is None
-    assert set(PICTURES) == set(METADATA)
 
 
 @pytest.mark.parametrize(("words", "message"), [

@@ -23,11 +23,10 @@ def test_numbers(value: float, text: str) -> None:
 def test_units_that_people_read() -> None:
     small, large = np.array([0.003, np.nan]), np.array([0.003, -2.0])
     assert style.shown_as("rad").factor == pytest.approx(57.29578)
-    assert style.shown_as("rad/s").unit == "deg/s"
     assert style.shown_as("m", small).unit == "mm"
     assert style.shown_as("m", small, large) == style.Shown(1, "m")
-    assert style.shown_as("N m") == style.Shown(1, "N m")
-    assert style.shown_as("1") == style.Shown(1, "")
+    assert [style.shown_as(each).unit for each in ("rad/s", "1", "Pa")] == ["deg/s", "", "Pa"]
+    assert style.shown_as("Pa", np.array([-5e4, np.nan])) == style.Shown(1e-3, "kPa")
 
 
 @pytest.mark.parametrize("suffix", style.METADATA)

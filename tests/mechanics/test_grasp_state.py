@@ -1,4 +1,4 @@
-"""The grasp-state map against the potential energy along slides."""
+"""The grasp-state map against the potential energy along slides; stiffness of a grasp."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, ejection_path, tendon_torques
+from sandbox.mechanics.grasp_stiffness import grasp_map, grasp_stiffness, tip_jacobian
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from tests.verification.test_grasps import two_fingers
 
 L = (0.045, 0.030)
 STOPS = {"lower": (-1.5, 0.0), "upper": (1.5, 1.6)}
@@ -54,3 +56,13 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
         elif path.state == GraspState.EJECTS:
             assert path.k_2[-1] == pytest.approx(L[1], rel=1e-12)
     assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
+
+
+def test_two_mirrored_fingers():
+    """SynGrasp's quasi-static analysis without synergies, of this hand by an own program."""
+    _, hinges, tips = two_fingers()
+    jacobian = tip_jacobian(tips, hinges, [[True, True, False, False], [False, False, True, True]])
+    found = grasp_stiffness(grasp_map(tips, tips.mean(axis=0)), jacobian, np.full(4, 0.05),
+                            contact_stiffness=2000.0)
+    np.testing.assert_allclose(found, [
+        [35.818082, 0, -1.596764], [0, 353.099848, 0], [-1.596764, 0, 0.210173]], atol=6e-7)

@@ -60,6 +60,16 @@ def e(angle: float) -> complex:
     return complex(np.exp(1j * angle))
 
 
+def test_the_angles_are_those_of_syngrasps_coupled_finger():
+    """q_1 - z_a at z_p of 90 to 150 deg, angles inside of the frame; its ratios have 8 digits."""
+    bar = FourBar(0.038, 0.020, 0.035, 0.015)
+    inside = np.array([90, 105, 120, 135, 150]) * DEG
+    assert np.allclose(bar.first_angle(np.pi - inside) / DEG, [
+        80.4444823, 69.1004108, 57.5968318, 46.2940821, 35.7079490], rtol=0, atol=5e-8)
+    assert np.allclose(-bar.ratio(np.pi - inside), [
+        -0.74350878, -0.76527001, -0.76468737, -0.73686400, -0.66503558], rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize("crossed", [False, True])
 def test_the_coupler_keeps_its_length_and_the_ratio_is_the_slope(crossed: bool):
     """By differences of 1e-5 rad, whose error is some 1e-10."""

@@ -24,7 +24,7 @@ from sandbox.scene.geometry import solids
 from sandbox.values.appearance import ALL, depth, rgb
 
 EDGE, HAIR = 1.3, 0.5  # widths of an outline and of a pitch circle [points]
-BAR, STALK = 8.0, 2.2  # widths of bodies without shapes, of lines to anchors beside bodies [points]
+BAR, ANCHOR_LINE = 8.0, 2.2  # widths of bodies without shapes, of lines to outer anchors [points]
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")  # from back to front
 
 
@@ -174,7 +174,7 @@ def beside(model: Model, body: int, at: XY) -> XY | None:
     return x, y
 
 
-def stalks(model: Model) -> list[tuple[int, XY, XY]]:
+def outer_anchors(model: Model) -> list[tuple[int, XY, XY]]:
     """Bodies with each of their anchors beside their shapes [m], and the nearest point of these."""
     ends = {(body, (x, y)) for body, points in _anchors(model, grooves=False, wheels=False)
             for x, y in points.tolist()}
@@ -182,13 +182,13 @@ def stalks(model: Model) -> list[tuple[int, XY, XY]]:
             if (nearest := beside(model, body, at))]
 
 
-def add_stalks(s: Subject) -> None:
+def add_anchor_lines(s: Subject) -> None:
     """Lines from moving bodies to anchors beside them, below the bodies."""
     model = s.run.model
-    for body, *ends in stalks(model):
+    for body, *ends in outer_anchors(model):
         if not model.bodies.fixed[body] and body in s.layers.get("bodies", ()):
             _, edge = tokens(s, ROLES[model.mechanism.bodies[body].role])
-            s.add("stalks", "line", plane=s.plane(body), s=("", edge, STALK),
+            s.add("anchor lines", "line", plane=s.plane(body), s=("", edge, ANCHOR_LINE),
                   p=[s.on(body, at) for at in ends])
 
 

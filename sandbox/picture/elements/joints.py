@@ -13,7 +13,7 @@ from sandbox.elements.arrays import largest_size
 from sandbox.model.joints import slot_points
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.picture.elements.bodies import beside, joined_points, stalks
+from sandbox.picture.elements.bodies import beside, joined_points, outer_anchors
 from sandbox.picture.geometry import XY
 from sandbox.picture.listing import Between, Point, flat, short
 from sandbox.picture.palette import ZIGZAG
@@ -79,7 +79,7 @@ def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
 def add_grounds(s: Subject) -> None:
     """A ground symbol at each anchor of a fixed body that has no shape there."""
     model = s.run.model
-    found = [(body, at) for body, at, nearest in stalks(model)
+    found = [(body, at) for body, at, nearest in outer_anchors(model)
              if model.bodies.fixed[body] and math.dist(at, nearest) > FAR_FOOT * s.point]
     found += [(body, at) for body, points in joined_points(model, held=True).items()
               if model.bodies.fixed[body] and not model.mechanism.bodies[body].shapes

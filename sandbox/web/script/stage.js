@@ -1,7 +1,7 @@
 // A display list on a canvas; sandbox/picture/listing.py describes its format.
 
 const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
-const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
+const SMALL = 500, MAX_NUMBERS = 24, SMALL_NUMBERS = 6;               // of a picture [px]; numbers in a picture, in a small one
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
 const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const LEGEND = 0.4;                                       // of a picture's height, which the legend has at most
@@ -263,7 +263,7 @@ class Stage {
   arrowText(item, row, size) { return this.valueText(item, row.length > 6 ? row[6] : size); }
   valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
   write() {                                               // of two on one spot the first stays
-    const { ctx } = this, taken = [], most = this.small ? FEW : MOST;
+    const { ctx } = this, taken = [], most = this.small ? SMALL_NUMBERS : MAX_NUMBERS;
     let numbers = 0;
     ctx.font = `600 ${this.text}px ${FONT}`;
     ctx.globalAlpha = 0.6;                                // of lines to labels farther off
